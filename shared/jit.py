@@ -1,0 +1,52 @@
+"""The numba decorator that every compiled function of Shearwater uses.
+
+One set of flags everywhere: a callee without flags would keep those of its first caller. `fastmath` leaves out
+`nnan` and `ninf`, so that checks for NaN and infinity work. Compiled code is cached in a folder named by a digest
+of the package's own sources: numba's cache looks only at the file of the function compiled, and would go on running
+an old callee after an edit elsewhere.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import os
+from pathlib import Path
+
+import numba
+
+_FLAGS = {
+    "error_model": "numpy",
+    "fastmath": {"contract", "reassoc", "nsz", "arcp", "afn"},
+    "nogil": True,
+    "cache": True,
+}
+
+
+def _source_digest() -> str:
+    """Digest of every Python source next to this one, in the packages that hold compiled code."""
+    root = Path(__file__).resolve().parent.parent
+    digest = hashlib.sha256()
+    for package in ("shared", "fluid_solver", "solid_solver"):
+        for path in sorted((root / package).rglob("*.py")):
+            digest.update(path.read_bytes())
+    return digest.hexdigest()[:16]
+
+
+def _cache_folder() -> str:
+    base = os.environ.get("XDG_CACHE_HOME") or str(Path.home() / ".cache")
+    return str(Path(base) / "shearwater" / _source_digest())
+
+
+if "NUMBA_CACHE_DIR" not in os.environ:
+    numba.config.CACHE_DIR = _cache_folder()
+# OpenMP first: its pool is shared by all kernels and sleeps when idle (OMP_WAIT_POLICY, set by the launcher).
+numba.config.THREADING_LAYER_PRIORITY = ["omp", "tbb", "workqueue"]
+
+njit = numba.njit(**_FLAGS)
+"""Compile with the house flags."""
+
+parallel_njit = numba.njit(parallel=True, **_FLAGS)
+"""Compile with the house flags and `prange`. Gather only: a result must not depend on the thread count."""
+
+inline_njit = numba.njit(inline="always", **{k: v for k, v in _FLAGS.items() if k != "cache"})
+"""For pair terms: inlined into the sweep that calls them, so that the sweep vectorises."""

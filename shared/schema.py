@@ -1,0 +1,280 @@
+"""The scene's vocabulary: one class per table of the TOML file, one field per key.
+
+Every field carries its meaning, unit, range and default here and nowhere else: `cases/SCENE.md`, the error messages
+and the checks are made from it. All quantities SI, two dimensions, plane strain, per metre of depth.
+"""
+
+from __future__ import annotations
+
+from typing import Annotated, Any, Literal
+
+from pydantic import BaseModel, ConfigDict, Field, model_validator
+
+Pair = tuple[float, float]
+Positive = Annotated[float, Field(gt=0.0)]
+NonNegative = Annotated[float, Field(ge=0.0)]
+Name = Annotated[str, Field(pattern=r"^[A-Za-z][A-Za-z0-9_-]*$")]
+
+
+def key(default: Any = ..., *, unit: str = "", about: str, **limits: Any) -> Any:
+    """A scene key: default, unit, meaning and range."""
+    extra = {"unit": unit} if unit else None
+    return Field(default, description=about, json_schema_extra=extra, **limits)
+
+
+class Table(BaseModel):
+    """A TOML table: unknown keys are refused, values are finite, nothing changes after loading."""
+
+    model_config = ConfigDict(extra="forbid", frozen=True, allow_inf_nan=False)
+
+
+# ---- geometry ---------------------------------------------------------------------------------------------------
+
+
+class Rotation(Table):
+    angle: float = key(unit="degree", about="counter-clockwise angle")
+    about: Pair = key((0.0, 0.0), unit="m", about="point that stays where it is")
+
+
+class Circle(Table):
+    centre: Pair = key(unit="m", about="centre")
+    radius: Positive = key(unit="m", about="radius")
+
+
+class Shape(Table):
+    """A region of the plane: exactly one of rectangle, circle, polygon, union, difference; then rotated."""
+
+    rectangle: tuple[float, float, float, float] | None = key(None, unit="m", about="x0, y0, x1, y1 with x0 < x1, y0 < y1")
+    circle: Circle | None = key(None, about="{ centre = [x, y], radius = r }")
+    polygon: list[Pair] | None = key(None, unit="m", about="three or more corners in order, not self-crossing")
+    union: list[Shape] | None = key(None, about="shapes whose regions are joined")
+    difference: list[Shape] | None = key(None, about="first shape less all the others")
+    rotate: Rotation | None = key(None, about="{ angle, about }: turns the shape and its particle lattice")
+
+    @model_validator(mode="after")
+    def _exactly_one_kind(self):
+        kinds = ("rectangle", "circle", "polygon", "union", "difference")
+        given = [k for k in kinds if getattr(self, k) is not None]
+        if len(given) != 1:
+            raise ValueError(f"give exactly one of {', '.join(kinds)}; found {', '.join(given) or 'none'}")
+        if self.rectangle is not None:
+            x0, y0, x1, y1 = self.rectangle
+            if not (x0 < x1 and y0 < y1):
+                raise ValueError(f"rectangle [x0, y0, x1, y1] needs x0 < x1 and y0 < y1; got {list(self.rectangle)}")
+        if self.polygon is not None and len(self.polygon) < 3:
+            raise ValueError("a polygon needs at least three corners")
+        if self.union is not None and len(self.union) < 1:
+            raise ValueError("a union needs at least one shape")
+        if self.difference is not None and len(self.difference) < 2:
+            raise ValueError("a difference needs a shape and at least one to take away")
+        return self
+
+
+class Body(Shape):
+    """A named region filled with particles at the side's dx."""
+
+    name: Name = key(about="name, unique in the scene")
+    velocity: Pair = key((0.0, 0.0), unit="m/s", about="initial velocity, uniform")
+
+
+class SolidBody(Body):
+    free: bool = key(False, about="true: the body is meant to have no clamp and moves freely")
+
+
+class Motion(Table):
+    """Prescribed motion by a time table, interpolated by a monotone cubic, held after its last time."""
+
+    times: list[float] = key(unit="s", about="increasing times, the first 0", min_length=2)
+    translation: list[Pair] | None = key(None, unit="m", about="displacement at each time")
+    rotation: list[float] | None = key(None, unit="degree", about="counter-clockwise angle at each time")
+    about: Pair = key((0.0, 0.0), unit="m", about="centre of the rotation, in the reference position")
+
+    @model_validator(mode="after")
+    def _lengths(self):
+        if self.times[0] != 0.0 or any(b <= a for a, b in zip(self.times, self.times[1:], strict=False)):
+            raise ValueError(f"times must start at 0 and increase; got {self.times}")
+        for k in ("translation", "rotation"):
+            column = getattr(self, k)
+            if column is not None and len(column) != len(self.times):
+                raise ValueError(f"{k} has {len(column)} entries for {len(self.times)} times")
+        if self.translation is None and self.rotation is None:
+            raise ValueError("give translation, rotation or both")
+        return self
+
+
+class Wall(Table):
+    """A wall of ghost particles behind a polyline; the fluid is on the polyline's left."""
+
+    name: Name = key(about="name, unique in the scene")
+    polyline: list[Pair] = key(unit="m", about="corners of the wetted face, walked with the fluid on the left", min_length=2)
+    closed: bool = key(False, about="join the last corner to the first")
+    slip: Literal["free", "no"] = key("free", about="free: no friction; no: the fluid sticks to the wall (needs viscosity)")
+    motion: Motion | None = key(None, about="prescribed motion; absent: fixed")
+
+
+# ---- the two sides ----------------------------------------------------------------------------------------------
+
+KernelName = Literal["wendland-c2", "quintic-spline"]
+
+
+class Fluid(Table):
+    model: Literal["ctvf", "wcsph"] = key(
+        about="ctvf: EDAC pressure, transport velocity, shifting; wcsph: equation of state, no shifting"
+    )
+    dx: Positive = key(unit="m", about="particle spacing; each body fits it per axis, n = round(L/dx)")
+    density: Positive = key(1000.0, unit="kg/m³", about="reference density")
+    viscosity: NonNegative = key(0.0, unit="m²/s", about="kinematic laminar viscosity")
+    alpha: NonNegative = key(0.1, unit="-", about="artificial viscosity coefficient (Monaghan's α)")
+    sound_speed: Positive | Literal["auto"] = key(
+        "auto", unit="m/s", about="artificial sound speed; auto: 10 times the largest speed expected (free fall over the fluid's height, and initial or wall speeds)"
+    )
+    kernel: KernelName = key("wendland-c2", about="smoothing kernel")
+    h_over_dx: float = key(1.3, unit="-", about="smoothing length over spacing", ge=0.8, le=3.0)
+    courant: Annotated[float, Field(gt=0.0, le=1.5)] | Literal["auto"] = key(
+        "auto", unit="-", about="time step over h/(c0 + speed); auto: measured to be stable for the model and kernel"
+    )
+    initial_pressure: Literal["hydrostatic", "zero"] = key(
+        "hydrostatic", about="hydrostatic: each body starts as a settled compressible column; zero: at rest density"
+    )
+    structure_acceleration: bool = key(True, about="the structure's mean acceleration enters the ghost pressure (eq. 14)")
+    bodies: list[Body] = key(about="regions of water", min_length=1)
+
+
+class Clamp(Table):
+    body: Name = key(about="a body of the solid")
+    face: str = key(about="left, right, bottom, top (in the body's own frame before rotation), or edge-N of a polygon (N from 0)")
+
+
+class Load(Table):
+    """A traction on a face or an acceleration of a whole body, switched on at t = 0 or ramped."""
+
+    body: Name = key(about="a body of the solid")
+    face: str | None = key(None, about="face that carries the traction")
+    traction: Pair | None = key(None, unit="Pa", about="force per area of the undeformed face, direction kept (dead load)")
+    acceleration: Pair | None = key(None, unit="m/s²", about="body force per mass")
+    ramp: NonNegative = key(0.0, unit="s", about="the load grows smoothly (half cosine) from zero over this time")
+
+    @model_validator(mode="after")
+    def _kind(self):
+        if (self.traction is None) == (self.acceleration is None):
+            raise ValueError("give either face and traction, or acceleration")
+        if (self.traction is None) != (self.face is None):
+            raise ValueError("face and traction belong together")
+        return self
+
+
+class Solid(Table):
+    model: Literal["total-lagrangian", "ctvf"] = key(
+        about="total-lagrangian: fixed neighbours, quadratic fit; ctvf: updated Lagrangian with iterative shifting"
+    )
+    dx: Positive = key(unit="m", about="particle spacing; each body fits it per axis")
+    density: Positive = key(unit="kg/m³", about="reference density")
+    youngs_modulus: Positive = key(unit="Pa", about="Young's modulus")
+    poisson_ratio: float = key(0.0, unit="-", about="Poisson's ratio, plane strain", ge=0.0, lt=0.5)
+    damping: NonNegative = key(0.0, unit="1/s", about="rate η of the damping force −η m u")
+    alpha: NonNegative = key(1.0, unit="-", about="artificial viscosity coefficient (model ctvf only)")
+    kernel: KernelName = key("wendland-c2", about="smoothing kernel")
+    h_over_dx: float = key(1.3, unit="-", about="smoothing length over spacing", ge=0.8, le=3.0)
+    gradient: Literal["printed", "linear"] = key(
+        "linear", about="velocity gradient of model ctvf: as printed, or corrected to be exact for linear fields"
+    )
+    shifting: bool = key(True, about="particle shifting of model ctvf; without it stretched bodies fracture numerically")
+    courant: Annotated[float, Field(gt=0.0, le=1.0)] | Literal["auto"] = key(
+        "auto", unit="-", about="time step over dx/c_p (P-wave speed); auto: measured to be stable for the model"
+    )
+    gravity: bool = key(True, about="the scene's gravity acts on the solid too")
+    bodies: list[SolidBody] = key(about="elastic bodies", min_length=1)
+    clamps: list[Clamp] = key([], about="faces held fixed")
+    loads: list[Load] = key([], about="tractions and accelerations")
+
+
+class Coupling(Table):
+    scheme: Literal["auto", "serial-explicit"] = key("auto", about="auto: serial-explicit")
+    window: Positive | Literal["auto"] = key(
+        "auto", unit="s", about="coupling window; auto: a few fluid steps, few enough for stability (α below 0.3)"
+    )
+    predictor: Literal[0, 1, 2] = key(0, about="order of the load's extrapolation from past windows")
+    stall_after: Positive = key(120.0, unit="s", about="a participant without progress for this long ends the run (exit code 4)")
+
+
+# ---- what is observed -------------------------------------------------------------------------------------------
+
+Quantity = Literal[
+    "displacement-x", "displacement-y", "pressure", "front-x", "level", "max-speed",
+    "kinetic-energy", "force-x", "force-y", "leaked",
+]
+
+
+class Probe(Table):
+    name: Name = key(about="name, unique in the scene")
+    quantity: Quantity = key(
+        about="displacement-x, -y: of a material point of a solid; pressure: of the fluid at a point; front-x, level: largest x and y "
+        "of connected fluid; max-speed, kinetic-energy: of a body; force-x, -y: of the fluid on a solid body or wall; "
+        "leaked: fluid particles through walls or out of the domain"
+    )
+    body: Name | None = key(None, about="body or wall (needed by displacement, energy and force; front, level: all fluid if absent)")
+    point: Pair | None = key(None, unit="m", about="material point in the reference configuration, or place in the fluid")
+
+
+Statistic = Literal["mean", "min", "max", "final", "t_min", "t_max", "slope"]
+
+
+class Reference(Table):
+    """A value or curve that a probe is compared with."""
+
+    probe: Name = key(about="the probe compared")
+    name: str = key(about="who says so")
+    value: float | None = key(None, about="reference value, in the probe's unit (t_min, t_max: s; slope: unit/s)")
+    curve: str | None = key(None, about="CSV of time [s] and value, path relative to the scene file or to the shipped cases")
+    scale: Pair = key((1.0, 1.0), about="factors that turn the curve's two columns into s and the probe's unit")
+    statistic: Statistic = key("max", about="what is compared; mean is over output.average_from … end")
+    between: Pair | None = key(None, unit="s", about="interval of the statistic; absent: the whole run (mean: from average_from)")
+
+    @model_validator(mode="after")
+    def _kind(self):
+        if (self.value is None) == (self.curve is None):
+            raise ValueError("give either value or curve")
+        if self.statistic == "slope" and self.between is None:
+            raise ValueError("statistic slope needs between = [t0, t1]")
+        return self
+
+
+class Goal(Table):
+    probe: Name = key(about="probe that matters")
+    statistic: Statistic = key("max", about="its statistic")
+    error: Positive = key(0.05, unit="-", about="wanted relative error")
+
+
+class Output(Table):
+    frames: int = key(50, about="frames written per side, evenly over the run, besides the first", ge=1, le=10000)
+    probe_interval: Positive | Literal["auto"] = key("auto", unit="s", about="time between probe rows; auto: end_time/1000")
+    average_from: NonNegative = key(0.0, unit="s", about="start of the means")
+
+
+class Domain(Table):
+    lower: Pair = key(unit="m", about="lower left corner")
+    upper: Pair = key(unit="m", about="upper right corner")
+
+
+class Scene(Table):
+    """A whole scene file."""
+
+    schema_version: Literal[1] = Field(alias="schema", description="version of this vocabulary: 1")
+    title: str = key(about="one line")
+    description: str = key("", about="what the case shows")
+    end_time: Positive = key(unit="s", about="simulated time")
+    gravity: Pair = key((0.0, 0.0), unit="m/s²", about="gravitational acceleration")
+    domain: Domain | Literal["auto"] = key(
+        "auto", about="{ lower, upper }: fluid that leaves it is taken out and counted; auto: everything in the scene, with three times its height above"
+    )
+    fluid: Fluid | None = key(None, about="the fluid side; absent: solid alone")
+    walls: list[Wall] = key([], about="walls of the fluid")
+    solid: Solid | None = key(None, about="the solid side; absent: fluid alone")
+    coupling: Coupling = key(Coupling(), about="how the two sides are coupled")
+    probes: list[Probe] = key([], about="time histories")
+    references: list[Reference] = key([], about="what probes are compared with")
+    goal: Goal | None = key(None, about="what is accurate enough")
+    output: Output = key(Output(), about="what is written")
+    study: dict[str, Any] = key({}, about="variants for charts; kept, not used by a run")
+
+    model_config = ConfigDict(extra="forbid", frozen=True, allow_inf_nan=False, populate_by_name=True)
