@@ -1,0 +1,86 @@
+"""The map H between a structure's interface points and a fluid's ghosts, built once in the reference configuration.
+
+Kinematics go x_g = H x_s: each row reproduces linear fields, hence rigid motion. Forces go F_s = Hᵀ F_g: total force,
+total moment and virtual work are kept exactly (Farhat, Lesoinne & Le Tallec, Comput. Methods Appl. Mech. Engrg. 157
+(1998) 95). Where a ghost coincides with a point, its row is that of the identity.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.sparse import csr_matrix
+from scipy.spatial import cKDTree
+
+from shared.contract import BadInput, Description, Kinematics, Loads, exchange_fields
+
+_COINCIDENT = 1e-9  # of the structure's spacing
+_SUPPORT = 2.1  # of the structure's spacing: radius of the fit round a ghost, a ring of two neighbours on a lattice
+_LEAST_SPREAD = 1e-6  # smallest eigenvalue over largest of the moment matrix: below it the points lie on a line
+
+
+@dataclass(frozen=True)
+class Mapping:
+    """H (ghosts × selected points) and the structure's points that it touches."""
+
+    matrix: csr_matrix
+    selection: np.ndarray
+
+    def motion(self, motion: Kinematics) -> Kinematics:
+        """Structure → fluid: kinematics of the ghosts."""
+        return Kinematics(**{name: self.matrix @ array for name, array in exchange_fields(motion).items()})
+
+    def loads(self, loads: Loads) -> Loads:
+        """Fluid → structure: forces by the transpose; pressures as the mean over the ghosts that a point serves."""
+        weight = np.abs(self.matrix).T
+        share = np.asarray(weight.sum(axis=1)).ravel()
+        return Loads(weight @ loads.pressure / share, self.matrix.T @ loads.force)
+
+
+def build_mapping(structure: Description, fluid: Description) -> Mapping:
+    """The map between `structure`'s points and `fluid`'s ghosts, body by body.
+
+    Raises BadInput where a ghost has too few points round it, or points on one line only, to follow a rotation.
+    """
+    rows, columns, weights = [], [], []
+    for body in np.unique(fluid.body):
+        ghosts = np.flatnonzero(fluid.body == body)
+        points = np.flatnonzero(structure.body == body)
+        if len(points) < 3:
+            raise BadInput(
+                f"the structure publishes {len(points)} interface point(s) on its body {body}, which has {len(ghosts)} "
+                "ghosts in the fluid; at least three points, not on one line, are needed: refine solid.dx"
+            )
+        tree = cKDTree(structure.position[points])
+        for ghost in ghosts:
+            near, row = _row(fluid.position[ghost], structure, points, tree)
+            rows += [ghost] * len(near)
+            columns += list(near)
+            weights += list(row)
+    selection, local = np.unique(np.array(columns, dtype=np.int64), return_inverse=True)
+    shape = (len(fluid.position), len(selection))
+    return Mapping(csr_matrix((weights, (rows, local)), shape=shape), selection)
+
+
+def _row(place: np.ndarray, structure: Description, points: np.ndarray, tree: cKDTree):
+    """Columns and weights for one ghost at `place` (2,): smallest weights that reproduce 1, x, y (moving least squares)."""
+    distance, nearest = tree.query(place)
+    if distance <= _COINCIDENT * structure.spacing:
+        return points[[nearest]], np.ones(1)
+    for radius in (_SUPPORT, 2.0 * _SUPPORT):
+        reach = max(radius * structure.spacing, 1.5 * distance)
+        near = points[sorted(tree.query_ball_point(place, reach))]
+        offset = (structure.position[near] - place) / reach
+        kernel = (1.0 - (offset**2).sum(axis=1)).clip(1e-12) ** 2
+        basis = np.column_stack([np.ones(len(near)), offset])
+        moment = basis.T @ (kernel[:, None] * basis)
+        values = np.linalg.eigvalsh(moment)
+        if values[0] > _LEAST_SPREAD * values[-1]:
+            row = kernel * (basis @ np.linalg.solve(moment, np.array([1.0, 0.0, 0.0])))
+            row[np.argmax(row)] += 1.0 - row.sum()
+            return near, row
+    raise BadInput(
+        f"the ghost at ({place[0]:.6g}, {place[1]:.6g}) m has only structure points on one line round it, which cannot "
+        "tell its rotation; refine solid.dx so that at least two particles lie across every body"
+    )

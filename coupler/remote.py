@@ -1,0 +1,134 @@
+"""A participant as the coupler sees it: verbs in, messages out, replies checked."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+
+from shared.clock import Clock, Window
+from shared.contract import Description, Exchange, Kinematics, Loads, ShearwaterError, exchange_fields
+from shared.link import Link
+from shared.participant import kinematics_shapes
+from shared.wire import BadMessage, Message, check_envelope, check_fields, check_window, decode, encode
+
+
+class RemoteError(ShearwaterError):
+    """A participant refused or failed; carries its own text and exit code."""
+
+    def __init__(self, text: str, exit_code: int):
+        super().__init__(text)
+        self.exit_code = exit_code
+
+
+class Remote:
+    """Participant `name` behind a link. `advance` may be split into `begin_advance` and `end_advance`."""
+
+    def __init__(self, link: Link, run: str, name: str):
+        self.name = name
+        self._link = link
+        self._run = run
+        self._sequence = 0
+        self._pending: Message | None = None
+        self._count = 0  # interface points that travel
+
+    def describe(self) -> Description:
+        """What the participant is."""
+        reply = self._ask("describe")
+        count = len(reply.fields.get("position", ()))
+        bodies = reply.fields.get("body")
+        floats = {name: array for name, array in reply.fields.items() if name != "body"}
+        check_fields(floats, {"position": (count, 2), "volume": (count,)}, f"describe from {self.name}")
+        check_fields({"body": bodies}, {"body": (count,)}, f"describe from {self.name}", "<i8")
+        try:
+            self._description = Description(**reply.info, **reply.fields)
+        except TypeError as error:
+            raise BadMessage(f"describe from {self.name} is incomplete: {error}") from None
+        return self._description
+
+    def start(
+        self,
+        clock: Clock,
+        selection: np.ndarray,
+        motion: Kinematics | None = None,
+        *,
+        rollback: bool = False,
+        frames: int,
+        probe_rows: int,
+    ) -> tuple[Exchange, dict[str, float]]:
+        """Begin at t = 0; see `Participant.start`."""
+        self._count = len(selection)
+        fields = {"selection": np.asarray(selection, dtype="<i8")}
+        if motion is not None:
+            fields |= exchange_fields(motion)
+        info = {
+            "end": clock.end,
+            "windows": clock.count,
+            "rollback": rollback,
+            "frames": frames,
+            "probe_rows": probe_rows,
+        }
+        reply = self._ask("start", info=info, fields=fields)
+        return self._exchange(reply), dict(reply.info["probes"])
+
+    def begin_advance(self, window: Window, boundary: Exchange) -> None:
+        """Send the partner's data; the participant begins to integrate."""
+        self._send("advance", window=window, fields=exchange_fields(boundary))
+
+    def end_advance(self) -> Exchange:
+        """Wait for the participant's own data at the window's end."""
+        return self._exchange(self._receive())
+
+    def advance(self, window: Window, boundary: Exchange) -> Exchange:
+        """Integrate over the window under the partner's data; returns the participant's own."""
+        self.begin_advance(window, boundary)
+        return self.end_advance()
+
+    def rollback(self) -> None:
+        """Back to the window's start."""
+        self._ask("rollback")
+
+    def accept(self) -> dict[str, float] | None:
+        """Make the window final; the probes when a row is due."""
+        return self._ask("accept").info.get("probes")
+
+    def finish(self) -> dict[str, Any]:
+        """Close the participant's files; what it cost."""
+        return self._ask("finish").info["cost"]
+
+    def _ask(self, verb: str, info: Mapping[str, Any] | None = None, fields: Mapping | None = None) -> Message:
+        self._send(verb, info=info, fields=fields)
+        return self._receive()
+
+    def _send(self, verb: str, window: Window | None = None, info=None, fields=None) -> None:
+        where = {}
+        if window is not None:
+            where = {"window": window.index, "iteration": window.iteration, "t0": window.t0, "t1": window.t1}
+        self._pending = Message(
+            run=self._run,
+            sender="coupler",
+            verb=verb,
+            sequence=self._sequence,
+            info=info or {},
+            fields=fields or {},
+            **where,
+        )
+        self._link.send(encode(self._pending))
+
+    def _receive(self) -> Message:
+        asked = self._pending
+        reply = decode(self._link.receive())
+        check_envelope(reply, run=self._run, sender=self.name, sequence=self._sequence)
+        if reply.verb == "error":
+            raise RemoteError(str(reply.info.get("text")), int(reply.info.get("exit_code", 3)))
+        check_window(reply, verb=asked.verb, window=asked.window, iteration=asked.iteration)
+        self._sequence += 1
+        return reply
+
+    def _exchange(self, reply: Message) -> Exchange:
+        kinematic = self._description.role == "structure"
+        count = self._count
+        shapes = kinematics_shapes(count) if kinematic else {"pressure": (count,), "force": (count, 2)}
+        check_fields(reply.fields, shapes, f"{reply.verb} from {self.name}")
+        return (Kinematics if kinematic else Loads)(**reply.fields)

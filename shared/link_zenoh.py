@@ -1,0 +1,209 @@
+"""The zenoh link: the coupler listens as a peer on the loopback interface, participants connect as clients.
+
+Key expressions, for run R and participant P (fluid, solid):
+
+    shearwater/R/P/request     coupler → participant, one message of wire.py
+    shearwater/R/P/reply       participant → coupler
+    shearwater/R/P/heartbeat   participant → coupler, once a second: number of time steps done so far, as text
+    shearwater/R/P/alive       liveliness token of the participant; shearwater/R/coupler/alive that of the coupler
+
+At most one message is in flight per participant, so nothing is ever dropped for congestion; the blocking time is
+raised all the same, since zenoh closes a link, without an exception, when a reader stalls for longer.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import os
+import queue
+import socket
+import threading
+import time
+from collections.abc import Callable, Iterator
+
+import zenoh
+
+from shared.contract import ParticipantLost
+
+_CONNECT_TIMEOUT_S = 20.0
+_HEARTBEAT_PERIOD_S = 1.0
+_SILENT_AFTER_S = 15.0  # beyond zenoh's own lease of 10 s
+_POLL_S = 0.2
+
+
+def _key(run: str, name: str, topic: str) -> str:
+    return f"shearwater/{run}/{name}/{topic}"
+
+
+def _config(mode: str, where: str, endpoint: str) -> zenoh.Config:
+    """No scouting, no shared memory, one endpoint; a reader may stall for a minute before zenoh gives up on it."""
+    config = zenoh.Config()
+    settings = {
+        "mode": f'"{mode}"',
+        where: f'["{endpoint}"]',
+        "scouting/multicast/enabled": "false",
+        "scouting/gossip/enabled": "false",
+        "scouting/delay": "0",
+        "transport/shared_memory/enabled": "false",
+        "transport/link/tx/queue/congestion_control/block/wait_before_close": "60000000",  # µs
+        "connect/timeout_ms": str(int(_CONNECT_TIMEOUT_S * 1e3)),
+        "connect/exit_on_failure": "true",
+    }
+    for name, value in settings.items():
+        config.insert_json5(name, value)
+    return config
+
+
+def free_endpoint() -> str:
+    """A loopback endpoint whose port is free at this moment."""
+    with socket.socket() as probe:
+        probe.bind(("127.0.0.1", 0))
+        return f"tcp/127.0.0.1:{probe.getsockname()[1]}"
+
+
+@contextlib.contextmanager
+def listening(run: str, endpoint: str | None = None) -> Iterator[tuple[zenoh.Session, str]]:
+    """The coupler's session and its endpoint; without `endpoint` on a free port."""
+    session, attempts = None, 1 if endpoint else 5
+    while session is None:
+        chosen = endpoint or free_endpoint()
+        attempts -= 1
+        try:
+            session = zenoh.open(_config("peer", "listen/endpoints", chosen))
+        except zenoh.ZError as error:
+            if attempts == 0:
+                raise ParticipantLost(f"cannot listen on {chosen}: {error}") from None
+    with session:
+        token = session.liveliness().declare_token(_key(run, "coupler", "alive"))
+        try:
+            yield session, chosen
+        finally:
+            token.undeclare()
+
+
+class ZenohLink:
+    """The coupler's end of the link to participant `name`.
+
+    `alive()` raises ParticipantLost when the participant's process is known to be gone (the supervisor knows).
+    `stall_after` [s]: longest time without a new time step while a request is being worked on.
+    """
+
+    def __init__(
+        self, session: zenoh.Session, run: str, name: str, alive: Callable[[], None], stall_after: float
+    ):
+        self.name = name
+        self._alive = alive
+        self._stall_after = stall_after
+        self._replies: queue.Queue[bytes] = queue.Queue()
+        self._connected = threading.Event()
+        self._gone = threading.Event()
+        self._beat = (time.monotonic(), "")  # arrival of the last heartbeat, and its text
+        self._progress = time.monotonic()  # when the text last changed
+        self._entities = [
+            session.declare_subscriber(_key(run, name, "reply"), lambda s: self._replies.put(bytes(s.payload))),
+            session.declare_subscriber(_key(run, name, "heartbeat"), self._on_heartbeat),
+            session.liveliness().declare_subscriber(_key(run, name, "alive"), self._on_liveliness, history=True),
+        ]
+        self._publisher = session.declare_publisher(
+            _key(run, name, "request"), congestion_control=zenoh.CongestionControl.BLOCK, express=True
+        )
+
+    def _on_heartbeat(self, sample: zenoh.Sample) -> None:
+        now, text = time.monotonic(), sample.payload.to_string()
+        if text != self._beat[1]:
+            self._progress = now
+        self._beat = (now, text)
+
+    def _on_liveliness(self, sample: zenoh.Sample) -> None:
+        (self._gone if sample.kind == zenoh.SampleKind.DELETE else self._connected).set()
+
+    def wait_connected(self, timeout: float) -> None:
+        """Wait until the participant has connected; raises ParticipantLost after `timeout` [s]."""
+        deadline = time.monotonic() + timeout
+        while not self._connected.wait(_POLL_S):
+            self._alive()
+            if time.monotonic() > deadline:
+                raise ParticipantLost(f"the {self.name} participant did not connect within {timeout:g} s")
+
+    def send(self, request: bytes) -> None:
+        """Send a request."""
+        self._progress = time.monotonic()
+        self._beat = (self._progress, self._beat[1])
+        self._publisher.put(request)
+
+    def receive(self) -> bytes:
+        """Wait for the reply; raises ParticipantLost when the participant died, went silent or stalled."""
+        while True:
+            with contextlib.suppress(queue.Empty):
+                return self._replies.get(timeout=_POLL_S)
+            self._alive()
+            now = time.monotonic()
+            if self._gone.is_set() and self._replies.empty():
+                raise ParticipantLost(f"the {self.name} participant closed its connection in the middle of the run")
+            if now - self._beat[0] > _SILENT_AFTER_S:
+                raise ParticipantLost(
+                    f"the {self.name} participant has sent no heartbeat for {now - self._beat[0]:.0f} s: "
+                    "it is stopped, or its machine is out of reach"
+                )
+            if now - self._progress > self._stall_after:
+                raise ParticipantLost(
+                    f"the {self.name} participant is alive but has made no time step for "
+                    f"{now - self._progress:.0f} s (coupling.stall_after = {self._stall_after:g} s)"
+                )
+
+
+def serve(
+    endpoint: str,
+    run: str,
+    name: str,
+    handle: Callable[[bytes], bytes],
+    finished: Callable[[], bool],
+    steps: Callable[[], int],
+    parent: int | None = None,
+) -> None:
+    """Answer the coupler's requests until `finished()`; raises ParticipantLost when the coupler is gone.
+
+    `steps()` is sent as heartbeat. If process `parent` ends, this process ends at once, whatever it is doing.
+    """
+    inbox: queue.Queue[bytes | None] = queue.Queue()
+    try:
+        session = zenoh.open(_config("client", "connect/endpoints", endpoint))
+    except zenoh.ZError as error:
+        raise ParticipantLost(
+            f"cannot reach a coupler at {endpoint} within {_CONNECT_TIMEOUT_S:g} s: {error} "
+            "(a refused password or certificate shows as this time-out too)"
+        ) from None
+    stop = threading.Event()
+    with session:
+        replies = session.declare_publisher(
+            _key(run, name, "reply"), congestion_control=zenoh.CongestionControl.BLOCK, express=True
+        )
+        heart = session.declare_publisher(_key(run, name, "heartbeat"))
+
+        def on_coupler(sample: zenoh.Sample) -> None:
+            if sample.kind == zenoh.SampleKind.DELETE:
+                inbox.put(None)
+
+        def beat() -> None:
+            while not stop.wait(_HEARTBEAT_PERIOD_S):
+                if parent is not None and os.getppid() != parent:
+                    os._exit(ParticipantLost.exit_code)
+                with contextlib.suppress(zenoh.ZError):
+                    heart.put(str(steps()))
+
+        requests = session.declare_subscriber(_key(run, name, "request"), lambda s: inbox.put(bytes(s.payload)))
+        coupler = session.liveliness().declare_subscriber(_key(run, "coupler", "alive"), on_coupler, history=True)
+        token = session.liveliness().declare_token(_key(run, name, "alive"))
+        pulse = threading.Thread(target=beat, daemon=True)
+        pulse.start()
+        try:
+            while not finished():
+                request = inbox.get()
+                if request is None:
+                    raise ParticipantLost("the coupler is gone; this participant ends")
+                replies.put(handle(request))
+        finally:
+            stop.set()
+            pulse.join()
+            for entity in (token, coupler, requests):
+                entity.undeclare()

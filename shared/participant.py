@@ -1,0 +1,208 @@
+"""A participant: a physical model behind the verbs of the contract.
+
+The model knows physics only. `Participant` watches the order of the verbs, chooses the sub-steps at the start of a
+window, keeps the copy that `rollback` returns to, writes frames and evaluates probes when a window is accepted.
+"""
+
+from __future__ import annotations
+
+import resource
+import time
+from collections.abc import Mapping
+from pathlib import Path
+
+import h5py
+import numpy as np
+
+from shared.clock import Clock, Window
+from shared.contract import (
+    Description,
+    Exchange,
+    Kinematics,
+    Loads,
+    Model,
+    OutOfOrder,
+    SolverFailed,
+    exchange_fields,
+)
+from shared.results import peak_mib
+from shared.vtkhdf import FrameWriter
+
+_OUTGROWN = 2.0  # a sub-step this much longer than the stable step at the window's end is refused
+
+
+class Participant:
+    """One side of a run. `output`: path of its VTKHDF file, or None for no frames."""
+
+    def __init__(self, model: Model, name: str, output: Path | None = None):
+        self.model = model
+        self.name = name
+        self._output = output
+        self._writer: FrameWriter | None = None
+        self._stage = "new"  # new → described → ready ⇄ advanced → finished
+        self._next = 0  # number of the next window to be accepted
+        self._substeps = 0
+        self._saved: dict[str, np.ndarray] | None = None
+        self._busy = 0.0
+
+    # ---- the verbs --------------------------------------------------------------------------------------------
+
+    def describe(self) -> Description:
+        """What this side is; allowed at any time before `finish`."""
+        self._need(self._stage != "finished", "describe", "the participant has finished")
+        if self._stage == "new":
+            self._stage = "described"
+        return self.model.describe()
+
+    def start(
+        self,
+        clock: Clock,
+        selection: np.ndarray,
+        motion: Kinematics | None = None,
+        *,
+        rollback: bool = False,
+        frames: int = 1,
+        probe_rows: int = 1,
+    ) -> tuple[Exchange, dict[str, float]]:
+        """Begin at t = 0; returns the own initial data on the selected points and the probes' first row.
+
+        `selection` (k,): the interface points that travel. `frames`, `probe_rows`: numbers of outputs after the
+        first, evenly over the run.
+        """
+        self._need(self._stage == "described", "start", "describe must come first, and start only once")
+        self._clock, self._selection, self._rollback = clock, np.asarray(selection), rollback
+        self._frames, self._probe_rows = frames, probe_rows
+        self._points = len(self.model.describe().position)
+        begun = time.perf_counter()
+        own = self.model.begin(motion)
+        self.model.check()
+        self._busy += time.perf_counter() - begun
+        if self._output is not None:
+            self._writer = FrameWriter(self._output)
+            self._writer.append(0.0, self.model.frame())
+        self._stage = "ready"
+        return self._selected(own), self.model.probe_values()
+
+    def advance(self, window: Window, boundary: Exchange | None) -> Exchange:
+        """Integrate over `window` under the partner's data on the selected points; returns the own data there."""
+        self._need(self._stage == "ready", "advance", self._why_not_ready())
+        self._need(
+            window.index == self._next, "advance", f"window {self._next} is next, not window {window.index}"
+        )
+        begun = time.perf_counter()
+        if window.iteration == 0:
+            self._substeps = window.substeps(self.model.stable_step())
+        if self._rollback and self._saved is None:
+            self._saved = {name: np.copy(array) for name, array in self.model.state().items()}
+        own = self.model.advance(window.t0, window.t1, self._substeps, self._spread(boundary))
+        self.model.check()
+        step, limit = window.length / self._substeps, self.model.stable_step()
+        if step > _OUTGROWN * limit:
+            raise SolverFailed(
+                f"{self.name}: the stable time step fell from {step:.3g} s to {limit:.3g} s within the window that ends at "
+                f"t = {window.t1:.6g} s; the state changes too fast for it: shorten coupling.window or lower the courant number"
+            )
+        self._busy += time.perf_counter() - begun
+        self._stage = "advanced"
+        return self._selected(own)
+
+    def rollback(self) -> None:
+        """Back to the window's start, bit for bit."""
+        self._need(self._stage == "advanced", "rollback", "there is no advance to take back")
+        self._need(self._rollback, "rollback", "start did not ask for rollback")
+        self.model.restore(self._saved)
+        self._stage = "ready"
+
+    def accept(self) -> dict[str, float] | None:
+        """Make the window final: writes the frame due; returns the probes when a row is due."""
+        self._need(self._stage == "advanced", "accept", "there is no advanced window to accept")
+        index = self._next
+        self._next, self._saved, self._stage = index + 1, None, "ready"
+        if self._writer is not None and self._clock.crosses(index, self._frames):
+            self._writer.append(self._clock.time(index + 1), self.model.frame())
+        return self.model.probe_values() if self._clock.crosses(index, self._probe_rows) else None
+
+    def save(self, path: str | Path) -> None:
+        """Write the complete state to the HDF5 file `path`."""
+        self._need(self._stage == "ready", "save", self._why_not_ready())
+        with h5py.File(path, "w") as file:
+            file.attrs["window"] = self._next
+            for name, array in self.model.state().items():
+                file[name] = array
+
+    def load(self, path: str | Path) -> None:
+        """Take the state, and the number of the next window, from the HDF5 file `path`."""
+        self._need(self._stage == "ready", "load", self._why_not_ready())
+        with h5py.File(path) as file:
+            self.model.restore({name: file[name][()] for name in file})
+            self._next = int(file.attrs["window"])
+        self._saved = None
+
+    def finish(self) -> dict[str, object]:
+        """Close the files; returns what this side cost."""
+        self._need(self._stage != "finished", "finish", "the participant has finished already")
+        self.close()
+        self._stage = "finished"
+        usage = resource.getrusage(resource.RUSAGE_SELF)
+        steps, particles = self.model.steps(), self.model.particles()
+        return {
+            "model": self.model.describe().model,
+            "particles": particles,
+            "steps": steps,
+            "busy_s": self._busy,
+            "particle_steps_per_s": particles * steps / self._busy if self._busy else 0.0,
+            "core_s": usage.ru_utime + usage.ru_stime,
+            "peak_MiB": peak_mib(),
+        }
+
+    # ---- the books --------------------------------------------------------------------------------------------
+
+    @property
+    def finished(self) -> bool:
+        """Whether `finish` has been called."""
+        return self._stage == "finished"
+
+    def close(self) -> None:
+        """Close the frame file, also after a failure."""
+        if self._writer is not None:
+            self._writer.close()
+            self._writer = None
+
+    def expected_boundary(self) -> Mapping[str, tuple[int, ...]]:
+        """Names and shapes of the partner's fields that `advance` needs."""
+        count = len(self._selection)
+        if self.model.role == "fluid":
+            return kinematics_shapes(count)
+        return {"pressure": (count,), "force": (count, 2)}
+
+    def _need(self, holds: bool, verb: str, otherwise: str) -> None:
+        if not holds:
+            raise OutOfOrder(f"{self.name}: {verb} refused: {otherwise}")
+
+    def _why_not_ready(self) -> str:
+        return {
+            "new": "describe and start must come first",
+            "described": "start must come first",
+            "advanced": f"window {self._next} is advanced already: accept it or roll it back first",
+            "finished": "the participant has finished",
+            "ready": "",
+        }[self._stage]
+
+    def _selected(self, exchange: Exchange) -> Exchange:
+        """The exchange on the points that travel."""
+        return type(exchange)(**{n: a[self._selection] for n, a in exchange_fields(exchange).items()})
+
+    def _spread(self, boundary: Exchange | None) -> Exchange | None:
+        """The partner's data on all own points: no load where nothing travels (a fluid's ghosts all travel)."""
+        if not isinstance(boundary, Loads):
+            return boundary
+        full = Loads.zero(self._points)
+        full.pressure[self._selection] = boundary.pressure
+        full.force[self._selection] = boundary.force
+        return full
+
+
+def kinematics_shapes(count: int) -> dict[str, tuple[int, ...]]:
+    """Shapes of a `Kinematics` of `count` points."""
+    names = ("position", "velocity", "acceleration", "velocity_mean", "acceleration_mean")
+    return dict.fromkeys(names, (count, 2))

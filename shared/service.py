@@ -1,0 +1,157 @@
+"""A participant as a service: requests of wire.py in, replies out. Used by every link alike."""
+
+from __future__ import annotations
+
+import logging
+import traceback
+from collections.abc import Callable
+
+import numpy as np
+
+from shared.clock import Clock, Window
+from shared.contract import Kinematics, Loads, ShearwaterError, exchange_fields
+from shared.participant import Participant, kinematics_shapes
+from shared.wire import BadMessage, Message, check_envelope, check_fields, decode, encode
+
+log = logging.getLogger("shearwater")
+
+
+class Service:
+    """Decodes and checks each request, calls the participant's verb, encodes the reply.
+
+    An error becomes a reply with verb "error" and info {kind, text, exit_code}; the participant stays usable after a
+    message that was refused, since nothing of it has reached the model.
+    """
+
+    def __init__(self, participant: Participant, run: str):
+        self.participant = participant
+        self._run = run
+        self._sequence = 0
+
+    def handle(self, data: bytes) -> bytes:
+        """The reply to one request."""
+        sequence = self._sequence
+        request: Message | None = None
+        try:
+            request = decode(data)
+            check_envelope(request, run=self._run, sender="coupler", sequence=sequence)
+            answer = _VERBS.get(request.verb)
+            if answer is None:
+                raise BadMessage(f"verb {request.verb!r} is not known; known are {', '.join(_VERBS)}")
+            info, fields = answer(self.participant, request)
+            reply = self._reply(request, request.verb, info, fields)
+            self._sequence += 1
+            return reply
+        except ShearwaterError as error:
+            log.error("%s", error)
+            return self._refusal(request, type(error).__name__, str(error), error.exit_code)
+        except Exception as error:
+            log.error("%s", traceback.format_exc())
+            text = f"{self.participant.name}: internal error, {type(error).__name__}: {error} (see this side's log)"
+            return self._refusal(request, type(error).__name__, text, 3)
+
+    def _reply(self, request: Message | None, verb: str, info: dict, fields: dict) -> bytes:
+        where = {} if request is None else {k: getattr(request, k) for k in ("window", "iteration", "t0", "t1")}
+        return encode(
+            Message(
+                run=self._run,
+                sender=self.participant.name,
+                verb=verb,
+                sequence=self._sequence if request is None else request.sequence,
+                info=info,
+                fields=fields,
+                **where,
+            )
+        )
+
+    def _refusal(self, request: Message | None, kind: str, text: str, exit_code: int) -> bytes:
+        return self._reply(request, "error", {"kind": kind, "text": text, "exit_code": exit_code}, {})
+
+
+Answer = tuple[dict, dict[str, np.ndarray]]
+
+
+def _describe(participant: Participant, request: Message) -> Answer:
+    check_fields(request.fields, {}, request.verb)
+    d = participant.describe()
+    info = {
+        "name": d.name,
+        "role": d.role,
+        "model": d.model,
+        "stable_step": float(d.stable_step),
+        "spacing": float(d.spacing),
+        "numbers": {name: float(value) for name, value in d.numbers.items()},
+    }
+    return info, {"position": d.position, "volume": d.volume, "body": d.body.astype("<i8")}
+
+
+def _start(participant: Participant, request: Message) -> Answer:
+    fields = dict(request.fields)
+    selection = fields.pop("selection", None)
+    if selection is None or selection.ndim != 1 or selection.dtype.kind != "i":
+        raise BadMessage("start carries no list of integers 'selection'")
+    motion = None
+    if participant.model.role == "fluid":
+        check_fields(fields, kinematics_shapes(len(selection)), "start")
+        motion = Kinematics(**fields)
+    elif fields:
+        raise BadMessage(f"start of a structure carries unknown fields {sorted(fields)}")
+    info = request.info
+    clock = Clock(_number(info, "end", float), _number(info, "windows", int))
+    own, probes = participant.start(
+        clock,
+        selection,
+        motion,
+        rollback=_number(info, "rollback", bool),
+        frames=_number(info, "frames", int),
+        probe_rows=_number(info, "probe_rows", int),
+    )
+    return {"probes": probes}, exchange_fields(own)
+
+
+def _advance(participant: Participant, request: Message) -> Answer:
+    check_fields(request.fields, participant.expected_boundary(), request.verb)
+    kind = Kinematics if participant.model.role == "fluid" else Loads
+    window = Window(request.window, request.t0, request.t1, request.iteration)
+    if not window.t0 < window.t1:
+        raise BadMessage(f"window {window.index} from t0 = {window.t0} to t1 = {window.t1} has no length")
+    return {}, exchange_fields(participant.advance(window, kind(**request.fields)))
+
+
+def _accept(participant: Participant, request: Message) -> Answer:
+    check_fields(request.fields, {}, request.verb)
+    probes = participant.accept()
+    return ({} if probes is None else {"probes": probes}), {}
+
+
+def _plain(verb: str) -> Callable[[Participant, Message], Answer]:
+    def answer(participant: Participant, request: Message) -> Answer:
+        check_fields(request.fields, {}, request.verb)
+        getattr(participant, verb)(*([request.info["path"]] if verb in ("save", "load") else []))
+        return {}, {}
+
+    return answer
+
+
+def _finish(participant: Participant, request: Message) -> Answer:
+    check_fields(request.fields, {}, request.verb)
+    return {"cost": participant.finish()}, {}
+
+
+def _number(info: dict, name: str, kind: type) -> float | int | bool:
+    value = info.get(name)
+    if not isinstance(value, kind) or (kind is not bool and isinstance(value, bool)):
+        raise BadMessage(f"start carries {name} = {value!r}; a {kind.__name__} is needed")
+    return value
+
+
+_VERBS: dict[str, Callable[[Participant, Message], Answer]] = {
+    "describe": _describe,
+    "start": _start,
+    "advance": _advance,
+    "rollback": _plain("rollback"),
+    "accept": _accept,
+    "save": _plain("save"),
+    "load": _plain("load"),
+    "finish": _finish,
+}

@@ -1,0 +1,179 @@
+"""Messages on the wire: one msgpack map per direction and window, arrays as raw little-endian bytes.
+
+A message is the map
+
+    {contract, run, sender, verb, window, iteration, sequence, t0, t1, info, fields}
+
+    contract   int    version of the contract (contract.CONTRACT_VERSION)
+    run        str    identity of the run; a stray message of another run is refused
+    sender     str    "coupler", "fluid" or "solid"
+    verb       str    a request's verb, repeated in its reply; "error" in a reply that refuses
+    window     int    number of the window, from 0; -1 where no window is meant
+    iteration  int    iteration within the window, from 0
+    sequence   int    number of the request, from 0, one more each time; a reply repeats it
+    t0, t1     float  ends of the window [s]
+    info       map    small named values: strings, numbers, booleans, lists and maps of these
+    fields     map    name → {dtype, shape, data}: dtype "<f8" or "<i8", shape a list of integers, data raw bytes in C order
+
+Requests and what they carry (fields; info), and their replies:
+
+    describe   –                                   → position (n, 2), volume (n,), body (n,); name, role, model, stable_step, spacing, numbers
+    start      selection (k,) of own points, and for a fluid the five kinematics of its ghosts;
+               end, windows, rollback, probe_rows, frames
+                                                   → own initial exchange on the selected points; probes
+    advance    the partner's exchange on the selected points → own exchange on them
+    rollback   –                                   → –
+    accept     –                                   → –; probes (name → value, when a row is due)
+    save, load path (a file of the participant's machine) → –
+    finish     –                                   → –; cost
+
+An exchange is either kinematics (position, velocity, acceleration, velocity_mean, acceleration_mean: each (k, 2)) or
+loads (pressure (k,), force (k, 2)); units in contract.py. Any program that speaks these messages can be a participant.
+
+Every reader checks everything before a message reaches a solver, and says what is wrong. No pickle anywhere.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+from typing import Any
+
+import msgpack
+import numpy as np
+
+from shared.contract import CONTRACT_VERSION, ShearwaterError
+
+SIZE_LIMIT = 256 * 2**20
+"""Largest message accepted, in bytes."""
+
+_DTYPES = {"<f8": np.dtype("<f8"), "<i8": np.dtype("<i8")}
+_KEYS = {
+    "contract": int,
+    "run": str,
+    "sender": str,
+    "verb": str,
+    "window": int,
+    "iteration": int,
+    "sequence": int,
+    "t0": float,
+    "t1": float,
+    "info": dict,
+    "fields": dict,
+}
+
+
+class BadMessage(ShearwaterError):
+    """A message was refused; the text names what is wrong with it."""
+
+
+@dataclass(frozen=True)
+class Message:
+    """One message; see the module's text for the meaning of each part."""
+
+    run: str
+    sender: str
+    verb: str
+    sequence: int
+    window: int = -1
+    iteration: int = 0
+    t0: float = 0.0
+    t1: float = 0.0
+    info: Mapping[str, Any] = field(default_factory=dict)
+    fields: Mapping[str, np.ndarray] = field(default_factory=dict)
+    contract: int = CONTRACT_VERSION
+
+
+def encode(message: Message) -> bytes:
+    """The message as bytes."""
+    packed = {name: getattr(message, name) for name in _KEYS}
+    packed["info"] = dict(message.info)
+    packed["fields"] = {name: _pack_array(name, array) for name, array in message.fields.items()}
+    return msgpack.packb(packed)
+
+
+def _pack_array(name: str, array: np.ndarray) -> dict[str, Any]:
+    kind = {"f": "<f8", "i": "<i8"}.get(array.dtype.kind)
+    if kind is None:
+        raise BadMessage(f"field {name!r} has dtype {array.dtype}; only floats and integers travel")
+    data = np.ascontiguousarray(array, dtype=_DTYPES[kind])
+    return {"dtype": kind, "shape": list(data.shape), "data": data.tobytes()}
+
+
+def decode(data: bytes) -> Message:
+    """The message in `data`, with its form, arrays and numbers checked; raises BadMessage."""
+    if len(data) > SIZE_LIMIT:
+        raise BadMessage(f"message of {len(data)} bytes is larger than the limit of {SIZE_LIMIT} bytes")
+    try:
+        packed = msgpack.unpackb(data, max_buffer_size=SIZE_LIMIT)
+    except Exception as error:  # msgpack raises many kinds for malformed input
+        raise BadMessage(f"message is not valid msgpack: {error}") from None
+    if not isinstance(packed, dict):
+        raise BadMessage(f"message is a {type(packed).__name__}, not a map")
+    if packed.get("contract") != CONTRACT_VERSION:
+        raise BadMessage(f"message speaks contract {packed.get('contract')!r}; this side speaks {CONTRACT_VERSION}")
+    for name, kind in _KEYS.items():
+        value = packed.get(name)
+        fits = isinstance(value, (int, float)) if kind is float else isinstance(value, kind)
+        if not fits or isinstance(value, bool):
+            raise BadMessage(f"message key {name!r} is {value!r}; a {kind.__name__} is needed")
+    unknown = set(packed) - set(_KEYS)
+    if unknown:
+        raise BadMessage(f"message has unknown keys {sorted(map(str, unknown))}")
+    if not (math.isfinite(packed["t0"]) and math.isfinite(packed["t1"])):
+        raise BadMessage(f"message times t0 = {packed['t0']}, t1 = {packed['t1']} are not finite")
+    packed["fields"] = {name: _unpack_array(name, spec) for name, spec in packed["fields"].items()}
+    return Message(**packed)
+
+
+def _unpack_array(name: Any, spec: Any) -> np.ndarray:
+    if not isinstance(name, str) or not isinstance(spec, dict) or set(spec) != {"dtype", "shape", "data"}:
+        raise BadMessage(f"field {name!r} is not a map of dtype, shape and data")
+    dtype = _DTYPES.get(spec["dtype"]) if isinstance(spec["dtype"], str) else None
+    if dtype is None:
+        raise BadMessage(f"field {name!r} has dtype {spec['dtype']!r}; allowed are {', '.join(_DTYPES)}")
+    shape, data = spec["shape"], spec["data"]
+    if not isinstance(shape, list) or not all(type(n) is int and n >= 0 for n in shape):
+        raise BadMessage(f"field {name!r} has shape {shape!r}; a list of non-negative integers is needed")
+    if not isinstance(data, bytes) or len(data) != math.prod(shape) * dtype.itemsize:
+        size = len(data) if isinstance(data, bytes) else type(data).__name__
+        raise BadMessage(f"field {name!r}: shape {shape} of {spec['dtype']} does not fit data of {size} bytes")
+    array = np.frombuffer(data, dtype).reshape(shape)
+    if dtype.kind == "f" and not np.isfinite(array).all():
+        bad = int(np.count_nonzero(~np.isfinite(array)))
+        raise BadMessage(f"field {name!r} has {bad} value(s) that are not finite")
+    return array
+
+
+def check_envelope(message: Message, *, run: str, sender: str, sequence: int) -> None:
+    """Refuse a message of another run, from another sender, or out of sequence."""
+    _agree("run", message.run, run)
+    _agree("sender", message.sender, sender)
+    _agree("sequence", message.sequence, sequence)
+
+
+def check_window(message: Message, *, verb: str, window: int, iteration: int) -> None:
+    """Refuse a reply that answers another verb, window or iteration."""
+    _agree("verb", message.verb, verb)
+    _agree("window", message.window, window)
+    _agree("iteration", message.iteration, iteration)
+
+
+def check_fields(
+    fields: Mapping[str, np.ndarray], shapes: Mapping[str, Sequence[int]], where: str, dtype: str = "<f8"
+) -> None:
+    """Refuse fields that are not exactly the named ones in the given shapes and `dtype`; `where` names the message."""
+    if set(fields) != set(shapes):
+        raise BadMessage(f"{where} carries fields {sorted(fields)}; needed are {sorted(shapes)}")
+    for name, shape in shapes.items():
+        array = fields[name]
+        if array.shape != tuple(shape):
+            raise BadMessage(f"field {name!r} of {where} has shape {array.shape}; needed is {tuple(shape)}")
+        if array.dtype != _DTYPES[dtype]:
+            raise BadMessage(f"field {name!r} of {where} has dtype {array.dtype}; needed is {dtype}")
+
+
+def _agree(what: str, found: Any, needed: Any) -> None:
+    if found != needed:
+        raise BadMessage(f"message has {what} {found!r}; {needed!r} is needed")
