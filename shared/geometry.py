@@ -97,7 +97,8 @@ def wall_particles(wall: Wall, dx: float, depth: float) -> Particles:
     for index in range(len(segments)):
         own, cell = _segment_layers(segments, index, layers, dx, wall.closed)
         if len(position) and len(own):
-            own = own[cKDTree(position).query(own)[0] > _TOO_CLOSE * dx]
+            nearest, _ = cKDTree(position).query(own, distance_upper_bound=dx)
+            own = own[nearest > _TOO_CLOSE * dx]
         position = np.concatenate([position, own])
         volume = np.concatenate([volume, np.full(len(own), cell)])
     return Particles(position, volume, (dx, dx), np.eye(2))
@@ -106,7 +107,7 @@ def wall_particles(wall: Wall, dx: float, depth: float) -> Particles:
 def _segment_layers(
     segments: np.ndarray, index: int, layers: np.ndarray, dx: float, closed: bool
 ) -> tuple[np.ndarray, float]:
-    """Layer particles (n, 2) [m] of one segment of a wall, cut at its corners, and the volume [m²] of each."""
+    """Layer particles (n, 2) [m] of one segment of a wall, cut at its corners; the volume [m²] of each."""
     start, end = segments[index]
     length = np.hypot(*(end - start))
     direction = (end - start) / length
@@ -143,7 +144,7 @@ def _overrun(before: np.ndarray | None, after: np.ndarray | None, depth: float, 
 
 
 def _across_bisector(before: np.ndarray, after: np.ndarray) -> np.ndarray:
-    """Unit vector (2,) across the bisector of a corner, pointing from the earlier segment to the later one."""
+    """Unit vector (2,) across the bisector of a corner, from the earlier segment to the later one."""
     mean = _unit(before) + _unit(after)
     length = np.hypot(*mean)
     return mean / length if length > 1e-9 else _unit(before)

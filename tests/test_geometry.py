@@ -12,7 +12,7 @@ PLATE = Shape(rectangle=(0.0, 0.0, 0.2, 0.012))
 
 
 def area(segments):
-    """Area within an outline by Green's theorem: positive only if the body is on the left of every segment."""
+    """Area within an outline by Green's theorem: positive if the body is on the left of all segments."""
     (x0, y0), (x1, y1) = segments[:, 0].T, segments[:, 1].T
     return 0.5 * np.sum(x0 * y1 - x1 * y0)
 
@@ -119,7 +119,7 @@ def test_touching_shapes_share_no_point_and_leave_none_out():
     st.integers(1, 3),
 )
 def test_union_of_lattice_rectangles_counts_cells(boxes, refine):
-    """Rectangles on a unit lattice: outline area, particle volume and the count of covered cells all agree."""
+    """Rectangles on a unit lattice: outline area, particle volume and count of covered cells agree."""
     shape = Shape(union=[{"rectangle": (x, y, x + w, y + h)} for x, y, w, h in boxes])
     cells = {(i, j) for x, y, w, h in boxes for i in range(x, x + w) for j in range(y, y + h)}
     assert area(outline(shape)) == pytest.approx(len(cells))
