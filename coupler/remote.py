@@ -23,7 +23,7 @@ class RemoteError(ShearwaterError):
 
 
 class Remote:
-    """Participant `name` behind a link. `advance` may be split into `begin_advance` and `end_advance`."""
+    """Participant `name` behind a link. A verb that two participants may work on at once is split into `begin_…` and `end_…`."""
 
     def __init__(self, link: Link, run: str, name: str):
         self.name = name
@@ -89,15 +89,21 @@ class Remote:
         """Back to the window's start."""
         self._ask("rollback")
 
-    def accept(self) -> dict[str, float] | None:
-        """Make the window final; the probes when a row is due."""
-        return self._ask("accept").info.get("probes")
+    def begin_accept(self) -> None:
+        """Make the window final; the participant begins to write what is due."""
+        self._send("accept")
+
+    def end_accept(self) -> dict[str, float] | None:
+        """Wait for the acceptance; the probes when a row is due."""
+        return self._receive().info.get("probes")
 
     def finish(self) -> dict[str, Any]:
         """Close the participant's files; what it cost."""
         return self._ask("finish").info["cost"]
 
-    def _ask(self, verb: str, info: Mapping[str, Any] | None = None, fields: Mapping | None = None) -> Message:
+    def _ask(
+        self, verb: str, info: Mapping[str, Any] | None = None, fields: Mapping | None = None
+    ) -> Message:
         self._send(verb, info=info, fields=fields)
         return self._receive()
 

@@ -42,14 +42,16 @@ def serial_explicit(
         found = fluid.advance(window, ghosts_moved)
         mapped = mapping.loads(found)
         # 4. accept
-        rows = [side.accept() for side in (structure, fluid)]
+        probes = accept(structure, fluid)
         past.add(mapped)
         ledger.record(window, 1, predicted, mapped, found, (motion, moved), (ghosts, ghosts_moved))
         motion, ghosts = moved, ghosts_moved
-        yield window, merged(rows)
+        yield window, probes
 
 
-def merged(rows: list[Probes | None]) -> Probes | None:
-    """Both sides' probes as one row; None when none is due."""
-    due = [row for row in rows if row is not None]
+def accept(*sides: Remote) -> Probes | None:
+    """All sides make the window final, at the same time; their probes as one row, or None when none is due."""
+    for side in sides:
+        side.begin_accept()
+    due = [row for row in [side.end_accept() for side in sides] if row is not None]
     return {name: value for row in due for name, value in row.items()} if due else None

@@ -1,0 +1,5 @@
+"""`python -m coupler`: the same as `coupler`."""
+
+from coupler.cli import main
+
+main()

@@ -1,0 +1,84 @@
+"""The `coupler` command line."""
+
+from __future__ import annotations
+
+from enum import StrEnum
+from typing import Annotated
+
+import typer
+from rich.console import Console
+from rich.table import Table
+
+from coupler.run import run_coupled
+from shared.commands import (
+    Case,
+    Out,
+    Quiet,
+    Sets,
+    case_name,
+    conclude,
+    default_threads,
+    new_app,
+    run_app,
+    warn,
+)
+from shared.contract import BadInput
+from shared.scene import load_scene, shipped_cases
+
+app = new_app(
+    "Couples a fluid and a solid solver: fluid-structure interaction with smoothed particle hydrodynamics."
+)
+
+
+class LinkKind(StrEnum):
+    """How participants are reached."""
+
+    zenoh = "zenoh"
+    inprocess = "inprocess"
+
+
+@app.command()
+def run(
+    case: Case,
+    out: Out = None,
+    sets: Sets = None,
+    threads: Annotated[str, typer.Option(help="Like fluid=2,solid=1; default: all cores for each.")] = "",
+    link: Annotated[
+        LinkKind, typer.Option(help="Two processes over zenoh, or both sides in this one.")
+    ] = LinkKind.zenoh,
+    quiet: Quiet = False,
+) -> None:
+    """Start both solvers, couple them, and write a run directory."""
+    counts = parse_threads(threads)
+    scene = load_scene(case, sets or ())
+    warn(scene)
+    conclude(run_coupled(scene, case_name(case), out, counts, quiet, link.value), quiet)
+
+
+@app.command()
+def cases() -> None:
+    """List the cases that ship, with what each shows."""
+    table = Table("case", "sides", "title")
+    for name, path in shipped_cases().items():
+        scene = load_scene(path)
+        sides = " + ".join(
+            f"{side} {part.model}" for side, part in (("fluid", scene.fluid), ("solid", scene.solid)) if part
+        )
+        table.add_row(name, sides, scene.title)
+    Console().print(table)
+
+
+def parse_threads(text: str) -> dict[str, int]:
+    """Threads per side from text like "fluid=2,solid=1"."""
+    counts = dict.fromkeys(("fluid", "solid"), default_threads())
+    for part in filter(None, text.split(",")):
+        side, _, count = part.partition("=")
+        if side not in counts or not count.isdigit() or int(count) < 1:
+            raise BadInput(f"--threads {text!r}: {part!r} is not fluid=N or solid=N with N at least 1")
+        counts[side] = int(count)
+    return counts
+
+
+def main() -> None:
+    """Entry point."""
+    run_app(app)

@@ -1,0 +1,35 @@
+"""Both participants in the coupler's own process: for tests and for debugging.
+
+The coupler knows the solvers by the names of their packages only, as it does when it starts them as processes.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import importlib
+from collections.abc import Iterator
+from pathlib import Path
+
+from coupler.remote import Remote
+from coupler.supervisor import PACKAGES
+from shared.link import InProcessLink
+from shared.participant import Participant
+from shared.schema import Scene
+from shared.service import Service
+from shared.solo import own_probes
+
+
+@contextlib.contextmanager
+def inprocess_sides(
+    scene: Scene, threads: dict[str, int], run: str, run_dir: Path
+) -> Iterator[dict[str, Remote]]:
+    """The two participants of `scene` as remotes named "fluid" and "solid", over the in-process link."""
+    with contextlib.ExitStack() as stack:
+        remotes = {}
+        for name, package in PACKAGES.items():
+            make_model = importlib.import_module(f"{package}.models").make_model
+            model = make_model(own_probes(scene, name), True, threads[name])
+            participant = Participant(model, name, run_dir / f"{name}.vtkhdf")
+            stack.callback(participant.close)
+            remotes[name] = Remote(InProcessLink(Service(participant, run).handle), run, name)
+        yield remotes

@@ -1,0 +1,108 @@
+"""Starts the two solver processes, knows whether they live, and leaves none behind."""
+
+from __future__ import annotations
+
+import contextlib
+import os
+import subprocess
+import sys
+from collections.abc import Iterator
+from dataclasses import dataclass
+from pathlib import Path
+
+from coupler.remote import Remote
+from shared.contract import ParticipantLost
+from shared.link_zenoh import ZenohLink, listening
+
+PACKAGES = {"fluid": "fluid_solver", "solid": "solid_solver"}
+"""Package of each side's solver."""
+_CONNECT_WITHIN_S = 60.0
+_PATIENCE_S = 5.0  # between asking a process to end and killing it
+_TAIL_LINES = 12
+
+
+@dataclass
+class Solver:
+    """A solver process and its log."""
+
+    name: str
+    process: subprocess.Popen
+    log: Path
+
+    def alive(self) -> None:
+        """Raises ParticipantLost, with the end of the log, when the process has ended."""
+        code = self.process.poll()
+        if code is None:
+            return
+        how = f"was killed by signal {-code}" if code < 0 else f"ended with exit code {code}"
+        tail = "\n".join(self.log.read_text(errors="replace").splitlines()[-_TAIL_LINES:])
+        raise ParticipantLost(
+            f"the {self.name} solver (process {self.process.pid}) {how} in the middle of the run; "
+            f"what it had written is kept. End of its log {self.log}:\n{tail or '(empty)'}"
+        )
+
+    def stop(self) -> None:
+        """Ask the process to end, then kill it."""
+        self.process.terminate()
+        try:
+            self.process.wait(_PATIENCE_S)
+        except subprocess.TimeoutExpired:
+            self.process.kill()
+            self.process.wait()
+
+
+def _command(name: str, endpoint: str, run: str, run_dir: Path, threads: int) -> list[str]:
+    options = {
+        "--connect": endpoint,
+        "--run": run,
+        "--out": str(run_dir / f"{name}.vtkhdf"),
+        "--threads": str(threads),
+        "--parent": str(os.getpid()),
+    }
+    return [
+        sys.executable,
+        "-m",
+        PACKAGES[name],
+        "serve",
+        str(run_dir / "case.toml"),
+        *(word for pair in options.items() for word in pair),
+    ]
+
+
+def _environment(threads: int) -> dict[str, str]:
+    """An idle side must not spin: waiting OpenMP threads sleep after a short spin."""
+    return {**os.environ, "OMP_NUM_THREADS": str(threads), "GOMP_SPINCOUNT": "20000"}
+
+
+@contextlib.contextmanager
+def solver_processes(
+    run: str, run_dir: Path, threads: dict[str, int], stall_after: float
+) -> Iterator[dict[str, Remote]]:
+    """Both solvers as processes, connected over zenoh; they are gone when the context ends, however it ends."""
+    log_dir = run_dir / "log"
+    log_dir.mkdir(exist_ok=True)
+    with listening(run) as (session, endpoint), contextlib.ExitStack() as stack:
+        remotes, links, processes = {}, [], []
+        for name in PACKAGES:
+            log = log_dir / f"{name}.txt"
+            output = stack.enter_context(log.open("w"))
+            # A session of its own: Ctrl-C reaches the coupler alone, which ends the run in order.
+            process = subprocess.Popen(
+                _command(name, endpoint, run, run_dir, threads[name]),
+                stdin=subprocess.DEVNULL,
+                stdout=output,
+                stderr=subprocess.STDOUT,
+                env=_environment(threads[name]),
+                start_new_session=True,
+            )
+            solver = Solver(name, process, log)
+            processes.append(process)
+            stack.callback(solver.stop)
+            links.append(ZenohLink(session, run, name, solver.alive, stall_after))
+            remotes[name] = Remote(links[-1], run, name)
+        for link in links:
+            link.wait_connected(_CONNECT_WITHIN_S)
+        yield remotes
+        for process in processes:  # they end by themselves after `finish`
+            with contextlib.suppress(subprocess.TimeoutExpired):
+                process.wait(_PATIENCE_S)

@@ -1,0 +1,119 @@
+"""What the three command lines share: exit codes, errors without tracebacks, common options, the closing words."""
+
+from __future__ import annotations
+
+import logging
+import os
+import signal
+import sys
+from pathlib import Path
+from typing import Annotated
+
+import click
+import typer
+from rich.console import Console
+from rich.table import Table
+
+from shared.contract import ShearwaterError
+from shared.record import Record
+from shared.scene import scene_warnings
+from shared.schema import Scene
+
+INTERRUPTED = 130
+
+Case = Annotated[str, typer.Argument(help="A scene file, or the name of a shipped case.", show_default=False)]
+Out = Annotated[
+    Path | None, typer.Option(help="Run directory to make; default runs/CASE.", show_default=False)
+]
+Sets = Annotated[
+    list[str] | None, typer.Option("--set", help="path.to.key=value; may be repeated.", metavar="KEY=VALUE")
+]
+Quiet = Annotated[bool, typer.Option("--quiet", help="No progress, no table.")]
+
+
+def new_app(about: str) -> typer.Typer:
+    """A command line whose errors are handled by `run_app`."""
+    return typer.Typer(help=about, add_completion=False, no_args_is_help=True, pretty_exceptions_enable=False)
+
+
+def run_app(app: typer.Typer) -> None:
+    """Run the command line and exit: 0 finished, 2 bad input, 3 a solver failed, 4 a participant was lost, 130 interrupted."""
+    logging.getLogger("shearwater").addHandler(logging.NullHandler())
+    signal.signal(signal.SIGTERM, _interrupt)
+    try:
+        code = app(standalone_mode=False) or 0
+    except click.exceptions.Abort:
+        code = INTERRUPTED
+    except click.ClickException as error:
+        error.show()
+        code = error.exit_code
+    except KeyboardInterrupt:
+        _say("interrupted; what was computed is kept")
+        code = INTERRUPTED
+    except ShearwaterError as error:
+        _say(f"error: {error}")
+        code = error.exit_code
+    except OSError as error:
+        _say(
+            f"error: {error}; check the disk's free space and the rights on the run directory, then run again"
+        )
+        code = 3
+    sys.stdout.flush()
+    sys.exit(code)
+
+
+def _interrupt(number: int, frame: object) -> None:
+    raise KeyboardInterrupt
+
+
+def _say(text: str) -> None:
+    print(text, file=sys.stderr, flush=True)
+
+
+def default_threads() -> int:
+    """The cores this process may use."""
+    return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else (os.cpu_count() or 1)
+
+
+def case_name(case: str) -> str:
+    """The name a run directory gets: the file's stem, or the shipped case's name."""
+    return Path(case).stem
+
+
+def warn(scene: Scene) -> None:
+    """Print the scene's warnings."""
+    for text in scene_warnings(scene):
+        _say(f"warning: {text}")
+
+
+def conclude(record: Record, quiet: bool) -> None:
+    """Print the probes against their references, the cost, and where everything is."""
+    if quiet:
+        return
+    console = Console()
+    result = record.result
+    if result["references"]:
+        table = Table(title="probes against references")
+        for heading in ("probe", "reference", "statistic", "reference value", "computed", "error"):
+            table.add_column(
+                heading, justify="left" if heading in ("probe", "reference", "statistic") else "right"
+            )
+        for row in result["references"]:
+            numbers = [_shown(row[k], ".5g") for k in ("value", "computed")]
+            table.add_row(row["probe"], row["name"], row["statistic"], *numbers, _shown(row["error"], "+.2%"))
+        console.print(table)
+    else:
+        for name, p in result["probes"].items():
+            console.print(
+                f"{name}: mean {_shown(p['mean'], '.5g')}, final {_shown(p['final'], '.5g')} {p['unit']}"
+            )
+    cost = result["cost"]
+    console.print(
+        f"finished t = {result['t_end']:g} s in {cost['wall_s']:.1f} s; results in {record.run_dir}"
+    )
+    for picture in record.pictures:
+        console.print(f"  {picture}")
+
+
+def _shown(value: float | None, form: str) -> str:
+    return "–" if value is None else format(value, form)

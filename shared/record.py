@@ -1,0 +1,83 @@
+"""The record of a run: probes as they come, then result.json and pictures, whatever ends the run."""
+
+from __future__ import annotations
+
+import hashlib
+import time
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+from shared.contract import ShearwaterError
+from shared.pictures import draw_last_frame, draw_probes
+from shared.progress import Progress
+from shared.results import ProbeTable, compare, environment, write_result
+from shared.scene import dump_scene
+from shared.schema import Scene
+
+RESULT_SCHEMA = 1
+
+
+class Record:
+    """Context of a run in `run_dir`: writes `case.toml` first, `probes.csv` on the way, `result.json` at the end.
+
+    The run adds to `cost`, `ledger` and `preflight`. An error or Ctrl-C that leaves the context is written down as
+    the run's status and reason, and goes on.
+    """
+
+    def __init__(self, run_dir: Path, scene: Scene, case: str, threads: Mapping[str, int], quiet: bool):
+        self.run_dir = run_dir
+        self.cost: dict[str, Any] = {}
+        self.ledger: dict[str, float] = {}
+        self.preflight: dict[str, float] = {}
+        self.pictures: list[Path] = []
+        self.result: dict[str, Any] = {}
+        self._scene, self._case, self._threads = scene, case, dict(threads)
+        self._time = 0.0
+        text = dump_scene(scene)
+        (run_dir / "case.toml").write_text(text)
+        self._hash = hashlib.sha256(text.encode()).hexdigest()
+        self._table = ProbeTable(run_dir / "probes.csv", {p.name: p.quantity for p in scene.probes})
+        self._progress = Progress(scene.title, scene.end_time, quiet)
+
+    def __enter__(self) -> Record:
+        self._begun = time.perf_counter()
+        self._progress.__enter__()
+        return self
+
+    def at(self, now: float, probes: Mapping[str, float] | None) -> None:
+        """The run has reached time `now` [s]; `probes` is the row due, or None."""
+        self._time = now
+        if probes is not None:
+            self._table.append(now, probes)
+        self._progress.update(now)
+
+    def __exit__(self, kind, error, trace) -> None:
+        self._progress.__exit__(None, None, None)
+        self._table.close()
+        status, reason = _status(error)
+        self.result = {
+            "schema": RESULT_SCHEMA,
+            "case": self._case,
+            "case_hash": self._hash,
+            "status": status,
+            "reason": reason,
+            "t_end": self._time,
+            "probes": self._table.summary(self._scene.output.average_from),
+            "references": compare(self._scene, self._table),
+            "cost": {"wall_s": time.perf_counter() - self._begun, **self.cost},
+            "ledger": self.ledger,
+            "preflight": self.preflight,
+            "environment": environment(self._threads),
+        }
+        write_result(self.run_dir, self.result)
+        self.pictures = [draw_last_frame(self.run_dir, self._scene), *draw_probes(self.run_dir, self._scene)]
+
+
+def _status(error: BaseException | None) -> tuple[str, str]:
+    if error is None:
+        return "finished", ""
+    if isinstance(error, KeyboardInterrupt):
+        return "interrupted", "interrupted by the user"
+    text = str(error) if isinstance(error, (ShearwaterError, OSError)) else f"{type(error).__name__}: {error}"
+    return "failed", text

@@ -1,0 +1,66 @@
+"""The command line of one solver: `run` alone, or `serve` a coupler."""
+
+from __future__ import annotations
+
+import logging
+import sys
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from shared.commands import Case, Out, Quiet, Sets, case_name, conclude, default_threads, new_app, warn
+from shared.link_zenoh import serve
+from shared.participant import Participant
+from shared.scene import load_scene
+from shared.service import Service
+from shared.solo import Factory, own_probes, run_alone
+
+
+def solver_app(side: str, factory: Factory) -> typer.Typer:
+    """The command line of the `side` ("fluid" or "solid") whose models `factory` makes."""
+    app = new_app(f"The {side} solver of Shearwater: run it alone, or let it serve a coupler.")
+
+    @app.command("run")
+    def run(
+        case: Case,
+        out: Out = None,
+        sets: Sets = None,
+        threads: Annotated[int, typer.Option(help="Threads.", min=1)] = default_threads(),
+        quiet: Quiet = False,
+    ) -> None:
+        """Run this side of a scene alone and write a run directory."""
+        scene = load_scene(case, sets or ())
+        warn(scene)
+        conclude(run_alone(scene, case_name(case), side, factory, out, threads, quiet), quiet)
+
+    @app.command("serve")
+    def serve_coupler(
+        case: Annotated[Path, typer.Argument(help="The run's case.toml.")],
+        connect: Annotated[str, typer.Option(help="The coupler's endpoint, like tcp/127.0.0.1:7447.")],
+        run: Annotated[str, typer.Option(help="The run's identity.")],
+        out: Annotated[Path | None, typer.Option(help="File for the frames (VTKHDF).")] = None,
+        threads: Annotated[int, typer.Option(help="Threads.", min=1)] = default_threads(),
+        parent: Annotated[int | None, typer.Option(help="End when this process ends.")] = None,
+    ) -> None:
+        """Be the participant of a coupled run."""
+        logging.basicConfig(
+            stream=sys.stderr, level=logging.INFO, format="%(asctime)s %(levelname)s %(message)s"
+        )
+        scene = own_probes(load_scene(case), side)
+        participant = Participant(factory(scene, True, threads), side, out)
+        try:
+            service = Service(participant, run)
+            serve(
+                connect,
+                run,
+                side,
+                service.handle,
+                lambda: participant.finished,
+                participant.model.steps,
+                parent,
+            )
+        finally:
+            participant.close()
+
+    return app
