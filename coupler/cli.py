@@ -25,9 +25,7 @@ from shared.commands import (
 from shared.contract import BadInput
 from shared.scene import load_scene, shipped_cases
 
-app = new_app(
-    "Couples a fluid and a solid solver: fluid-structure interaction with smoothed particle hydrodynamics."
-)
+app = new_app("Couples a fluid and a solid solver: fluid-structure interaction with smoothed particle hydrodynamics.")
 
 
 class LinkKind(StrEnum):

@@ -20,9 +20,7 @@ from shared.solo import own_probes
 
 
 @contextlib.contextmanager
-def inprocess_sides(
-    scene: Scene, threads: dict[str, int], run: str, run_dir: Path
-) -> Iterator[dict[str, Remote]]:
+def inprocess_sides(scene: Scene, threads: dict[str, int], run: str, run_dir: Path) -> Iterator[dict[str, Remote]]:
     """The two participants of `scene` as remotes named "fluid" and "solid", over the in-process link."""
     with contextlib.ExitStack() as stack:
         remotes = {}

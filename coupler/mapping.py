@@ -16,12 +16,8 @@ from scipy.spatial import cKDTree
 from shared.contract import BadInput, Description, Kinematics, Loads, exchange_fields
 
 _COINCIDENT = 1e-9  # of the structure's spacing
-_SUPPORT = (
-    2.1  # of the structure's spacing: radius of the fit round a ghost, a ring of two neighbours on a lattice
-)
-_LEAST_SPREAD = (
-    1e-6  # smallest eigenvalue over largest of the moment matrix: below it the points lie on a line
-)
+_SUPPORT = 2.1  # of the structure's spacing: radius of the fit round a ghost, a ring of two neighbours on a lattice
+_LEAST_SPREAD = 1e-6  # smallest eigenvalue over largest of the moment matrix: below it the points lie on a line
 
 
 @dataclass(frozen=True)

@@ -101,9 +101,7 @@ class Remote:
         """Close the participant's files; what it cost."""
         return self._ask("finish").info["cost"]
 
-    def _ask(
-        self, verb: str, info: Mapping[str, Any] | None = None, fields: Mapping | None = None
-    ) -> Message:
+    def _ask(self, verb: str, info: Mapping[str, Any] | None = None, fields: Mapping | None = None) -> Message:
         self._send(verb, info=info, fields=fields)
         return self._receive()
 

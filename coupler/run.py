@@ -80,9 +80,7 @@ def _couple(scene: Scene, fluid: Remote, structure: Remote, record: Record) -> N
     ledger = Ledger(record.run_dir / "ledger.csv")
     begun = time.perf_counter()
     try:
-        march = serial_explicit(
-            fluid, structure, mapping, clock, motion, loads, scene.coupling.predictor, ledger
-        )
+        march = serial_explicit(fluid, structure, mapping, clock, motion, loads, scene.coupling.predictor, ledger)
         for done, probes in march:
             record.at(done.t1, probes)
             if probes is not None:

@@ -22,9 +22,7 @@ from shared.schema import Scene
 INTERRUPTED = 130
 
 Case = Annotated[str, typer.Argument(help="A scene file, or the name of a shipped case.", show_default=False)]
-Out = Annotated[
-    Path | None, typer.Option(help="Run directory to make; default runs/CASE.", show_default=False)
-]
+Out = Annotated[Path | None, typer.Option(help="Run directory to make; default runs/CASE.", show_default=False)]
 Sets = Annotated[
     list[str] | None, typer.Option("--set", help="path.to.key=value; may be repeated.", metavar="KEY=VALUE")
 ]
@@ -54,9 +52,7 @@ def run_app(app: typer.Typer) -> None:
         _say(f"error: {error}")
         code = error.exit_code
     except OSError as error:
-        _say(
-            f"error: {error}; check the disk's free space and the rights on the run directory, then run again"
-        )
+        _say(f"error: {error}; check the disk's free space and the rights on the run directory, then run again")
         code = 3
     sys.stdout.flush()
     sys.exit(code)
@@ -95,22 +91,16 @@ def conclude(record: Record, quiet: bool) -> None:
     if result["references"]:
         table = Table(title="probes against references")
         for heading in ("probe", "reference", "statistic", "reference value", "computed", "error"):
-            table.add_column(
-                heading, justify="left" if heading in ("probe", "reference", "statistic") else "right"
-            )
+            table.add_column(heading, justify="left" if heading in ("probe", "reference", "statistic") else "right")
         for row in result["references"]:
             numbers = [_shown(row[k], ".5g") for k in ("value", "computed")]
             table.add_row(row["probe"], row["name"], row["statistic"], *numbers, _shown(row["error"], "+.2%"))
         console.print(table)
     else:
         for name, p in result["probes"].items():
-            console.print(
-                f"{name}: mean {_shown(p['mean'], '.5g')}, final {_shown(p['final'], '.5g')} {p['unit']}"
-            )
+            console.print(f"{name}: mean {_shown(p['mean'], '.5g')}, final {_shown(p['final'], '.5g')} {p['unit']}")
     cost = result["cost"]
-    console.print(
-        f"finished t = {result['t_end']:g} s in {cost['wall_s']:.1f} s; results in {record.run_dir}"
-    )
+    console.print(f"finished t = {result['t_end']:g} s in {cost['wall_s']:.1f} s; results in {record.run_dir}")
     for picture in record.pictures:
         console.print(f"  {picture}")
 

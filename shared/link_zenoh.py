@@ -88,9 +88,7 @@ class ZenohLink:
     `stall_after` [s]: longest time without a new time step while a request is being worked on.
     """
 
-    def __init__(
-        self, session: zenoh.Session, run: str, name: str, alive: Callable[[], None], stall_after: float
-    ):
+    def __init__(self, session: zenoh.Session, run: str, name: str, alive: Callable[[], None], stall_after: float):
         self.name = name
         self._alive = alive
         self._stall_after = stall_after
@@ -100,13 +98,9 @@ class ZenohLink:
         self._beat = (time.monotonic(), "")  # arrival of the last heartbeat, and its text
         self._progress = time.monotonic()  # when the text last changed
         self._entities = [
-            session.declare_subscriber(
-                _key(run, name, "reply"), lambda s: self._replies.put(bytes(s.payload))
-            ),
+            session.declare_subscriber(_key(run, name, "reply"), lambda s: self._replies.put(bytes(s.payload))),
             session.declare_subscriber(_key(run, name, "heartbeat"), self._on_heartbeat),
-            session.liveliness().declare_subscriber(
-                _key(run, name, "alive"), self._on_liveliness, history=True
-            ),
+            session.liveliness().declare_subscriber(_key(run, name, "alive"), self._on_liveliness, history=True),
         ]
         self._publisher = session.declare_publisher(
             _key(run, name, "request"), congestion_control=zenoh.CongestionControl.BLOCK, express=True
@@ -143,9 +137,7 @@ class ZenohLink:
             self._alive()
             now = time.monotonic()
             if self._gone.is_set() and self._replies.empty():
-                raise ParticipantLost(
-                    f"the {self.name} participant closed its connection in the middle of the run"
-                )
+                raise ParticipantLost(f"the {self.name} participant closed its connection in the middle of the run")
             if now - self._beat[0] > _SILENT_AFTER_S:
                 raise ParticipantLost(
                     f"the {self.name} participant has sent no heartbeat for {now - self._beat[0]:.0f} s: "
@@ -197,12 +189,8 @@ def serve(
                 with contextlib.suppress(zenoh.ZError):
                     heart.put(str(steps()))
 
-        requests = session.declare_subscriber(
-            _key(run, name, "request"), lambda s: inbox.put(bytes(s.payload))
-        )
-        coupler = session.liveliness().declare_subscriber(
-            _key(run, "coupler", "alive"), on_coupler, history=True
-        )
+        requests = session.declare_subscriber(_key(run, name, "request"), lambda s: inbox.put(bytes(s.payload)))
+        coupler = session.liveliness().declare_subscriber(_key(run, "coupler", "alive"), on_coupler, history=True)
         token = session.liveliness().declare_token(_key(run, name, "alive"))
         pulse = threading.Thread(target=beat, daemon=True)
         pulse.start()

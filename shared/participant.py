@@ -86,9 +86,7 @@ class Participant:
     def advance(self, window: Window, boundary: Exchange | None) -> Exchange:
         """Integrate over `window` under the partner's data on the selected points; returns the own data there."""
         self._need(self._stage == "ready", "advance", self._why_not_ready())
-        self._need(
-            window.index == self._next, "advance", f"window {self._next} is next, not window {window.index}"
-        )
+        self._need(window.index == self._next, "advance", f"window {self._next} is next, not window {window.index}")
         begun = time.perf_counter()
         if window.iteration == 0:
             self._substeps = window.substeps(self.model.stable_step())

@@ -51,9 +51,7 @@ class Service:
             return self._refusal(request, type(error).__name__, text, 3)
 
     def _reply(self, request: Message | None, verb: str, info: dict, fields: dict) -> bytes:
-        where = (
-            {} if request is None else {k: getattr(request, k) for k in ("window", "iteration", "t0", "t1")}
-        )
+        where = {} if request is None else {k: getattr(request, k) for k in ("window", "iteration", "t0", "t1")}
         return encode(
             Message(
                 run=self._run,

@@ -59,9 +59,7 @@ def run_alone(
             clock = Clock(scene.end_time, max(rows, scene.output.frames))
             still = Kinematics.at_rest(description.position) if side == "fluid" else None
             everything = np.arange(len(description.position))
-            _, probes = participant.start(
-                clock, everything, still, frames=scene.output.frames, probe_rows=rows
-            )
+            _, probes = participant.start(clock, everything, still, frames=scene.output.frames, probe_rows=rows)
             record.at(0.0, probes)
             for window in map(clock.window, range(clock.count)):
                 participant.advance(window, still)

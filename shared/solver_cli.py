@@ -44,9 +44,7 @@ def solver_app(side: str, factory: Factory) -> typer.Typer:
         parent: Annotated[int | None, typer.Option(help="End when this process ends.")] = None,
     ) -> None:
         """Be the participant of a coupled run."""
-        logging.basicConfig(
-            stream=sys.stderr, level=logging.INFO, format="%(asctime)s %(levelname)s %(message)s"
-        )
+        logging.basicConfig(stream=sys.stderr, level=logging.INFO, format="%(asctime)s %(levelname)s %(message)s")
         scene = own_probes(load_scene(case), side)
         participant = Participant(factory(scene, True, threads), side, out)
         try:

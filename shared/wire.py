@@ -112,9 +112,7 @@ def decode(data: bytes) -> Message:
     if not isinstance(packed, dict):
         raise BadMessage(f"message is a {type(packed).__name__}, not a map")
     if packed.get("contract") != CONTRACT_VERSION:
-        raise BadMessage(
-            f"message speaks contract {packed.get('contract')!r}; this side speaks {CONTRACT_VERSION}"
-        )
+        raise BadMessage(f"message speaks contract {packed.get('contract')!r}; this side speaks {CONTRACT_VERSION}")
     for name, kind in _KEYS.items():
         value = packed.get(name)
         fits = isinstance(value, (int, float)) if kind is float else isinstance(value, kind)
@@ -140,9 +138,7 @@ def _unpack_array(name: Any, spec: Any) -> np.ndarray:
         raise BadMessage(f"field {name!r} has shape {shape!r}; a list of non-negative integers is needed")
     if not isinstance(data, bytes) or len(data) != math.prod(shape) * dtype.itemsize:
         size = len(data) if isinstance(data, bytes) else type(data).__name__
-        raise BadMessage(
-            f"field {name!r}: shape {shape} of {spec['dtype']} does not fit data of {size} bytes"
-        )
+        raise BadMessage(f"field {name!r}: shape {shape} of {spec['dtype']} does not fit data of {size} bytes")
     array = np.frombuffer(data, dtype).reshape(shape)
     if dtype.kind == "f" and not np.isfinite(array).all():
         bad = int(np.count_nonzero(~np.isfinite(array)))

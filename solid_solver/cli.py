@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from solid_solver.models import make_model
 from shared.commands import run_app
 from shared.solver_cli import solver_app
+from solid_solver.models import make_model
 
 app = solver_app("solid", make_model)
 
