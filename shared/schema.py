@@ -1,14 +1,14 @@
 """The scene's vocabulary: one class per table of the TOML file, one field per key.
 
-Every field carries its meaning, unit, range and default here and nowhere else: `cases/SCENE.md`, the error messages
-and the checks are made from it. All quantities SI, two dimensions, plane strain, per metre of depth.
+Every field carries its meaning, unit, range and default here and nowhere else: `cases/SCENE.md`, the error
+messages and the checks are made from it. All quantities SI, two dimensions, plane strain, per metre of depth.
 """
 
 from __future__ import annotations
 
 from typing import Annotated, Any, Literal
 
-from pydantic import BaseModel, ConfigDict, Field, model_validator
+from pydantic import BaseModel, ConfigDict, Field, field_validator, model_validator
 
 Pair = tuple[float, float]
 Positive = Annotated[float, Field(gt=0.0)]
@@ -28,7 +28,7 @@ class Table(BaseModel):
     model_config = ConfigDict(extra="forbid", frozen=True, allow_inf_nan=False)
 
 
-# ---- geometry ---------------------------------------------------------------------------------------------------
+# ---- geometry --------------------------------------------------------------------------------------------
 
 
 class Rotation(Table):
@@ -41,32 +41,54 @@ class Circle(Table):
     radius: Positive = key(unit="m", about="radius")
 
 
+SHAPE_KINDS = ("rectangle", "circle", "polygon", "union", "difference")
+
+
 class Shape(Table):
     """A region of the plane: exactly one of rectangle, circle, polygon, union, difference; then rotated."""
 
-    rectangle: tuple[float, float, float, float] | None = key(None, unit="m", about="x0, y0, x1, y1 with x0 < x1, y0 < y1")
+    rectangle: tuple[float, float, float, float] | None = key(
+        None, unit="m", about="x0, y0, x1, y1 with x0 < x1, y0 < y1"
+    )
     circle: Circle | None = key(None, about="{ centre = [x, y], radius = r }")
     polygon: list[Pair] | None = key(None, unit="m", about="three or more corners in order, not self-crossing")
     union: list[Shape] | None = key(None, about="shapes whose regions are joined")
     difference: list[Shape] | None = key(None, about="first shape less all the others")
     rotate: Rotation | None = key(None, about="{ angle, about }: turns the shape and its particle lattice")
 
+    @field_validator("rectangle")
+    @classmethod
+    def _rectangle_has_area(cls, corners):
+        if corners is not None and not (corners[0] < corners[2] and corners[1] < corners[3]):
+            raise ValueError("[x0, y0, x1, y1] needs x0 < x1 and y0 < y1")
+        return corners
+
+    @field_validator("polygon")
+    @classmethod
+    def _polygon_has_corners(cls, corners):
+        if corners is not None and len(set(corners)) < max(3, len(corners)):
+            raise ValueError("needs three or more corners, each once")
+        return corners
+
+    @field_validator("difference")
+    @classmethod
+    def _difference_takes_away(cls, parts):
+        if parts is not None and len(parts) < 2:
+            raise ValueError("needs a shape and at least one to take away")
+        return parts
+
+    @field_validator("union")
+    @classmethod
+    def _union_has_parts(cls, parts):
+        if parts is not None and len(parts) < 1:
+            raise ValueError("needs at least one shape")
+        return parts
+
     @model_validator(mode="after")
     def _exactly_one_kind(self):
-        kinds = ("rectangle", "circle", "polygon", "union", "difference")
-        given = [k for k in kinds if getattr(self, k) is not None]
+        given = [kind for kind in SHAPE_KINDS if getattr(self, kind) is not None]
         if len(given) != 1:
-            raise ValueError(f"give exactly one of {', '.join(kinds)}; found {', '.join(given) or 'none'}")
-        if self.rectangle is not None:
-            x0, y0, x1, y1 = self.rectangle
-            if not (x0 < x1 and y0 < y1):
-                raise ValueError(f"rectangle [x0, y0, x1, y1] needs x0 < x1 and y0 < y1; got {list(self.rectangle)}")
-        if self.polygon is not None and len(self.polygon) < 3:
-            raise ValueError("a polygon needs at least three corners")
-        if self.union is not None and len(self.union) < 1:
-            raise ValueError("a union needs at least one shape")
-        if self.difference is not None and len(self.difference) < 2:
-            raise ValueError("a difference needs a shape and at least one to take away")
+            raise ValueError(f"give exactly one of {', '.join(SHAPE_KINDS)}; found {', '.join(given) or 'none'}")
         return self
 
 
@@ -106,13 +128,17 @@ class Wall(Table):
     """A wall of ghost particles behind a polyline; the fluid is on the polyline's left."""
 
     name: Name = key(about="name, unique in the scene")
-    polyline: list[Pair] = key(unit="m", about="corners of the wetted face, walked with the fluid on the left", min_length=2)
+    polyline: list[Pair] = key(
+        unit="m", about="corners of the wetted face, walked with the fluid on the left", min_length=2
+    )
     closed: bool = key(False, about="join the last corner to the first")
-    slip: Literal["free", "no"] = key("free", about="free: no friction; no: the fluid sticks to the wall (needs viscosity)")
+    slip: Literal["free", "no"] = key(
+        "free", about="free: no friction; no: the fluid sticks to the wall (needs viscosity)"
+    )
     motion: Motion | None = key(None, about="prescribed motion; absent: fixed")
 
 
-# ---- the two sides ----------------------------------------------------------------------------------------------
+# ---- the two sides ---------------------------------------------------------------------------------------
 
 KernelName = Literal["wendland-c2", "quintic-spline"]
 
@@ -126,23 +152,35 @@ class Fluid(Table):
     viscosity: NonNegative = key(0.0, unit="m²/s", about="kinematic laminar viscosity")
     alpha: NonNegative = key(0.1, unit="-", about="artificial viscosity coefficient (Monaghan's α)")
     sound_speed: Positive | Literal["auto"] = key(
-        "auto", unit="m/s", about="artificial sound speed; auto: 10 times the largest speed expected (free fall over the fluid's height, and initial or wall speeds)"
+        "auto",
+        unit="m/s",
+        about=(
+            "artificial sound speed; auto: 10 times the largest speed expected (free fall over the "
+            "fluid's height, and initial or wall speeds)"
+        ),
     )
     kernel: KernelName = key("wendland-c2", about="smoothing kernel")
     h_over_dx: float = key(1.3, unit="-", about="smoothing length over spacing", ge=0.8, le=3.0)
     courant: Annotated[float, Field(gt=0.0, le=1.5)] | Literal["auto"] = key(
-        "auto", unit="-", about="time step over h/(c0 + speed); auto: measured to be stable for the model and kernel"
+        "auto",
+        unit="-",
+        about="time step over h/(c0 + speed); auto: measured to be stable for the model and kernel",
     )
     initial_pressure: Literal["hydrostatic", "zero"] = key(
-        "hydrostatic", about="hydrostatic: each body starts as a settled compressible column; zero: at rest density"
+        "hydrostatic",
+        about="hydrostatic: each body starts as a settled compressible column; zero: at rest density",
     )
-    structure_acceleration: bool = key(True, about="the structure's mean acceleration enters the ghost pressure (eq. 14)")
+    structure_acceleration: bool = key(
+        True, about="the structure's mean acceleration enters the ghost pressure (eq. 14)"
+    )
     bodies: list[Body] = key(about="regions of water", min_length=1)
 
 
 class Clamp(Table):
     body: Name = key(about="a body of the solid")
-    face: str = key(about="left, right, bottom, top (in the body's own frame before rotation), or edge-N of a polygon (N from 0)")
+    face: str = key(
+        about=("left, right, bottom, top (in the body's own frame before rotation), or edge-N of a polygon (N from 0)")
+    )
 
 
 class Load(Table):
@@ -150,7 +188,9 @@ class Load(Table):
 
     body: Name = key(about="a body of the solid")
     face: str | None = key(None, about="face that carries the traction")
-    traction: Pair | None = key(None, unit="Pa", about="force per area of the undeformed face, direction kept (dead load)")
+    traction: Pair | None = key(
+        None, unit="Pa", about="force per area of the undeformed face, direction kept (dead load)"
+    )
     acceleration: Pair | None = key(None, unit="m/s²", about="body force per mass")
     ramp: NonNegative = key(0.0, unit="s", about="the load grows smoothly (half cosine) from zero over this time")
 
@@ -165,7 +205,7 @@ class Load(Table):
 
 class Solid(Table):
     model: Literal["total-lagrangian", "ctvf"] = key(
-        about="total-lagrangian: fixed neighbours, quadratic fit; ctvf: updated Lagrangian with iterative shifting"
+        about=("total-lagrangian: fixed neighbours, quadratic fit; ctvf: updated Lagrangian with iterative shifting")
     )
     dx: Positive = key(unit="m", about="particle spacing; each body fits it per axis")
     density: Positive = key(unit="kg/m³", about="reference density")
@@ -176,11 +216,16 @@ class Solid(Table):
     kernel: KernelName = key("wendland-c2", about="smoothing kernel")
     h_over_dx: float = key(1.3, unit="-", about="smoothing length over spacing", ge=0.8, le=3.0)
     gradient: Literal["printed", "linear"] = key(
-        "linear", about="velocity gradient of model ctvf: as printed, or corrected to be exact for linear fields"
+        "linear",
+        about="velocity gradient of model ctvf: as printed, or corrected to be exact for linear fields",
     )
-    shifting: bool = key(True, about="particle shifting of model ctvf; without it stretched bodies fracture numerically")
+    shifting: bool = key(
+        True, about="particle shifting of model ctvf; without it stretched bodies fracture numerically"
+    )
     courant: Annotated[float, Field(gt=0.0, le=1.0)] | Literal["auto"] = key(
-        "auto", unit="-", about="time step over dx/c_p (P-wave speed); auto: measured to be stable for the model"
+        "auto",
+        unit="-",
+        about="time step over dx/c_p (P-wave speed); auto: measured to be stable for the model",
     )
     gravity: bool = key(True, about="the scene's gravity acts on the solid too")
     bodies: list[SolidBody] = key(about="elastic bodies", min_length=1)
@@ -191,29 +236,48 @@ class Solid(Table):
 class Coupling(Table):
     scheme: Literal["auto", "serial-explicit"] = key("auto", about="auto: serial-explicit")
     window: Positive | Literal["auto"] = key(
-        "auto", unit="s", about="coupling window; auto: a few fluid steps, few enough for stability (α below 0.3)"
+        "auto",
+        unit="s",
+        about="coupling window; auto: a few fluid steps, few enough for stability (α below 0.3)",
     )
     predictor: Literal[0, 1, 2] = key(0, about="order of the load's extrapolation from past windows")
-    stall_after: Positive = key(120.0, unit="s", about="a participant without progress for this long ends the run (exit code 4)")
+    stall_after: Positive = key(
+        120.0, unit="s", about="a participant without progress for this long ends the run (exit code 4)"
+    )
 
 
-# ---- what is observed -------------------------------------------------------------------------------------------
+# ---- what is observed ------------------------------------------------------------------------------------
 
 Quantity = Literal[
-    "displacement-x", "displacement-y", "pressure", "front-x", "level", "max-speed",
-    "kinetic-energy", "force-x", "force-y", "leaked",
+    "displacement-x",
+    "displacement-y",
+    "pressure",
+    "front-x",
+    "level",
+    "max-speed",
+    "kinetic-energy",
+    "force-x",
+    "force-y",
+    "leaked",
 ]
 
 
 class Probe(Table):
     name: Name = key(about="name, unique in the scene")
     quantity: Quantity = key(
-        about="displacement-x, -y: of a material point of a solid; pressure: of the fluid at a point; front-x, level: largest x and y "
-        "of connected fluid; max-speed, kinetic-energy: of a body; force-x, -y: of the fluid on a solid body or wall; "
-        "leaked: fluid particles through walls or out of the domain"
+        about=(
+            "displacement-x, -y: of a material point of a solid; pressure: of the fluid at a point; front-x, "
+            "level: largest x and y of connected fluid; max-speed, kinetic-energy: of a body; force-x, -y: of "
+            "the fluid on a solid body or wall; leaked: fluid particles through walls or out of the domain"
+        )
     )
-    body: Name | None = key(None, about="body or wall (needed by displacement, energy and force; front, level: all fluid if absent)")
-    point: Pair | None = key(None, unit="m", about="material point in the reference configuration, or place in the fluid")
+    body: Name | None = key(
+        None,
+        about="body or wall (needed by displacement, speed, energy, force; front, level: all fluid if absent)",
+    )
+    point: Pair | None = key(
+        None, unit="m", about="material point in the reference configuration, or place in the fluid"
+    )
 
 
 Statistic = Literal["mean", "min", "max", "final", "t_min", "t_max", "slope"]
@@ -225,10 +289,14 @@ class Reference(Table):
     probe: Name = key(about="the probe compared")
     name: str = key(about="who says so")
     value: float | None = key(None, about="reference value, in the probe's unit (t_min, t_max: s; slope: unit/s)")
-    curve: str | None = key(None, about="CSV of time [s] and value, path relative to the scene file or to the shipped cases")
+    curve: str | None = key(
+        None, about="CSV of time [s] and value, path relative to the scene file or to the shipped cases"
+    )
     scale: Pair = key((1.0, 1.0), about="factors that turn the curve's two columns into s and the probe's unit")
     statistic: Statistic = key("max", about="what is compared; mean is over output.average_from … end")
-    between: Pair | None = key(None, unit="s", about="interval of the statistic; absent: the whole run (mean: from average_from)")
+    between: Pair | None = key(
+        None, unit="s", about="interval of the statistic; absent: the whole run (mean: from average_from)"
+    )
 
     @model_validator(mode="after")
     def _kind(self):
@@ -236,6 +304,8 @@ class Reference(Table):
             raise ValueError("give either value or curve")
         if self.statistic == "slope" and self.between is None:
             raise ValueError("statistic slope needs between = [t0, t1]")
+        if self.between is not None and not 0.0 <= self.between[0] < self.between[1]:
+            raise ValueError(f"between = [t0, t1] needs 0 <= t0 < t1; got {list(self.between)}")
         return self
 
 
@@ -247,7 +317,9 @@ class Goal(Table):
 
 class Output(Table):
     frames: int = key(50, about="frames written per side, evenly over the run, besides the first", ge=1, le=10000)
-    probe_interval: Positive | Literal["auto"] = key("auto", unit="s", about="time between probe rows; auto: end_time/1000")
+    probe_interval: Positive | Literal["auto"] = key(
+        "auto", unit="s", about="time between probe rows; auto: end_time/1000"
+    )
     average_from: NonNegative = key(0.0, unit="s", about="start of the means")
 
 
@@ -265,7 +337,11 @@ class Scene(Table):
     end_time: Positive = key(unit="s", about="simulated time")
     gravity: Pair = key((0.0, 0.0), unit="m/s²", about="gravitational acceleration")
     domain: Domain | Literal["auto"] = key(
-        "auto", about="{ lower, upper }: fluid that leaves it is taken out and counted; auto: everything in the scene, with three times its height above"
+        "auto",
+        about=(
+            "{ lower, upper }: fluid that leaves it is taken out and counted; auto: everything in the "
+            "scene, with three times its height above"
+        ),
     )
     fluid: Fluid | None = key(None, about="the fluid side; absent: solid alone")
     walls: list[Wall] = key([], about="walls of the fluid")
