@@ -14,9 +14,9 @@ stand one after the other; the group `Steps` says where each frame's part of the
 Format: https://docs.vtk.org/en/latest/vtk_file_formats/vtkhdf_file_format/vtkhdf_specifications.html
 
 The default HDF5 format with a flush per frame leaves a readable file when the process is killed; the newer
-format and single-writer mode do not. `NSteps` is written last: rows of a frame cut short lie beyond it and are
-cut off when the file is opened again. HDF5 does not survive a failed write: the space for a frame is reserved first,
-so that a full disk ends the run with its earlier frames intact.
+format and single-writer mode do not. `NSteps` is written last: rows of a frame cut short lie beyond it and
+are cut off when the file is opened again. HDF5 does not survive a failed write: the space for a frame is
+reserved first, so that a full disk ends the run with its earlier frames intact.
 """
 
 from __future__ import annotations
@@ -253,6 +253,6 @@ def _stored_type(values: np.ndarray) -> np.dtype:
 
 def _cannot_write(path: Path, error: Exception) -> ShearwaterError:
     return ShearwaterError(
-        f"Frames cannot be written to {path} ({error}). The disk may be full or the folder not writable: free some "
-        f"space, ask for fewer frames (--set output.frames=10), or choose another place with --out DIR."
+        f"Frames cannot be written to {path} ({error}). The disk may be full or the folder not writable: "
+        f"free some space, ask for fewer frames (--set output.frames=10), or choose another place with --out DIR."
     )

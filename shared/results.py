@@ -1,0 +1,181 @@
+"""What a run leaves behind besides frames and probes: its directory and result.json."""
+
+from __future__ import annotations
+
+import hashlib
+import json
+import math
+import os
+import platform
+import resource
+import sys
+from collections.abc import Mapping
+from importlib import metadata
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from shared import jit
+from shared.contract import BadInput, ShearwaterError
+from shared.probes import ProbeTable, compare
+from shared.schema import Scene
+
+RESULT_SCHEMA = 1
+
+_SIDES = ("fluid", "solid")
+_SIDE_KEYS = ("model", "particles", "steps", "particle_steps_per_s", "peak_MiB")
+_COUPLING_KEYS = ("scheme", "windows", "iterations_mean", "wait_s", "overhead_fraction")
+_LEDGER_KEYS = ("impulse_error", "work_error", "energy_injected_fraction")
+_DISTRIBUTIONS = {
+    "shearwater": "shearwater-fsi",
+    "numpy": "numpy",
+    "numba": "numba",
+    "h5py": "h5py",
+    "zenoh": "eclipse-zenoh",
+}
+
+
+def new_run_directory(out: Path | None, case: str) -> Path:
+    """Create the directory of a new run: `out`, or the first free of runs/CASE, runs/CASE-2, …
+
+    Raises BadInput if `out` holds something already, or cannot be made.
+    """
+    try:
+        if out is not None:
+            out = Path(out)
+            out.mkdir(parents=True, exist_ok=True)
+            if any(out.iterdir()):
+                raise BadInput(
+                    f"The run directory {out} is not empty; runs are never overwritten. Name a new one with "
+                    f"--out DIR, remove the old one, or leave --out away to get the next free name under runs/."
+                )
+            return out
+        number = 1
+        while True:
+            path = Path("runs") / (case if number == 1 else f"{case}-{number}")
+            try:
+                path.mkdir(parents=True)
+            except FileExistsError:
+                number += 1
+            else:
+                return path
+    except OSError as error:
+        raise BadInput(
+            f"The run directory {out or 'runs/' + case} cannot be made ({error}). "
+            f"Name a place that can be written with --out DIR."
+        ) from error
+
+
+def make_result(
+    scene: Scene,
+    case_text: str,
+    table: ProbeTable,
+    *,
+    case: str,
+    status: str,
+    reason: str,
+    t_end: float,
+    cost: Mapping[str, Any],
+    threads: Mapping[str, int],
+    ledger: Mapping[str, float] | None = None,
+    preflight: Mapping[str, Any] | None = None,
+) -> dict[str, Any]:
+    """The content of result.json, for a coupled run and for one side alone.
+
+    `case_text`: the run's case.toml, whose digest is `case_hash`. `cost`: wall_s, core_s, and what is known of
+    fluid, solid and coupling. Every documented key is there; what a run does not have (the other side, the
+    coupling, the ledger of a side alone) is None.
+    """
+    return {
+        "schema": RESULT_SCHEMA,
+        "case": case,
+        "case_hash": hashlib.sha256(case_text.encode()).hexdigest(),
+        "status": status,
+        "reason": reason,
+        "t_end": t_end,
+        "probes": table.summary(scene.output.average_from),
+        "references": compare(scene, table),
+        "cost": {
+            "wall_s": cost.get("wall_s"),
+            "core_s": cost.get("core_s"),
+            **{side: _complete(cost.get(side), _SIDE_KEYS) for side in _SIDES},
+            "coupling": _complete(cost.get("coupling"), _COUPLING_KEYS),
+        },
+        "ledger": _complete(ledger, _LEDGER_KEYS),
+        "preflight": dict(preflight or {}),
+        "environment": environment(threads),
+    }
+
+
+def _complete(given: Mapping[str, Any] | None, keys: tuple[str, ...]) -> dict[str, Any] | None:
+    """`given` with None for what is missing of `keys`."""
+    return {**dict.fromkeys(keys), **given} if given else None
+
+
+def write_result(run_dir: Path, result: Mapping[str, Any]) -> Path:
+    """Write `result` to result.json: all of it or nothing, strict JSON (what is not finite becomes null)."""
+    path = Path(run_dir) / "result.json"
+    unfinished = path.with_suffix(".json.tmp")
+    try:
+        with unfinished.open("w", encoding="utf-8") as file:
+            json.dump(_plain(result), file, indent=1, allow_nan=False, ensure_ascii=False)
+            file.write("\n")
+            file.flush()
+            os.fsync(file.fileno())
+        os.replace(unfinished, path)
+    except OSError as error:
+        raise ShearwaterError(
+            f"{path} cannot be written ({error}). The disk may be full or the folder not writable: free some space "
+            f"or choose another place with --out DIR."
+        ) from error
+    return path
+
+
+def _plain(value: Any) -> Any:
+    """`value` in the types of JSON."""
+    if isinstance(value, Mapping):
+        return {str(key): _plain(item) for key, item in value.items()}
+    if isinstance(value, np.ndarray | np.generic):
+        return _plain(value.tolist())
+    if isinstance(value, list | tuple):
+        return [_plain(item) for item in value]
+    if isinstance(value, float) and not math.isfinite(value):
+        return None
+    if isinstance(value, Path):
+        return str(value)
+    return value
+
+
+def environment(threads: Mapping[str, int]) -> dict[str, Any]:
+    """What a result depends on besides its case: versions, processor, threads per side, compiler flags."""
+    versions = {"python": platform.python_version()}
+    for name, distribution in _DISTRIBUTIONS.items():
+        try:
+            versions[name] = metadata.version(distribution)
+        except metadata.PackageNotFoundError:  # run from a source tree
+            versions[name] = None
+    flags = {k: sorted(v) if isinstance(v, set) else v for k, v in jit._FLAGS.items()}
+    return {
+        "versions": versions,
+        "platform": platform.platform(),
+        "cpu": _cpu_model(),
+        "cores": os.cpu_count(),
+        "threads": dict(threads),
+        "numba": flags,
+    }
+
+
+def _cpu_model() -> str:
+    try:
+        lines = Path("/proc/cpuinfo").read_text().splitlines()
+    except OSError:
+        lines = []
+    models = (line.partition(":")[2].strip() for line in lines if line.startswith("model name"))
+    return next(models, platform.processor() or platform.machine())
+
+
+def peak_mib() -> float:
+    """Largest memory this process has held, in MiB."""
+    peak = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
+    return peak / (1 << 20 if sys.platform == "darwin" else 1 << 10)  # macOS counts bytes, Linux KiB

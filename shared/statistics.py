@@ -1,0 +1,113 @@
+"""Statistics of time histories: of probes and of the curves that they are compared with.
+
+A history is a pair of arrays, times (n,) [s] in increasing order and values (n,). Between its points it is linear;
+rows whose value is not finite say that there was nothing to measure and are left out.
+"""
+
+from __future__ import annotations
+
+import csv
+import math
+from pathlib import Path
+
+import numpy as np
+
+from shared.contract import BadInput
+
+Interval = tuple[float, float]
+
+_TIME_ROUNDING = 1e-9  # of an interval's length, within which a history that ends there covers it
+
+
+def statistic(name: str, time: np.ndarray, value: np.ndarray, between: Interval | None = None) -> float | None:
+    """One of mean, min, max, final, t_min, t_max, slope over `between` [s] (default: the whole history).
+
+    mean is time-weighted (trapezoidal rule), slope the least-squares line's, t_min and t_max the first times of the
+    extremes. None if the history does not cover the interval, or has no value in it.
+    """
+    time, value = finite(time, value)
+    if len(time) == 0:
+        return None
+    if between is not None:
+        if not covers(time, between):
+            return None
+        time, value = _cut(time, value, between)
+    return _STATISTICS[name](time, value)
+
+
+def covers(time: np.ndarray, between: Interval) -> bool:
+    """Whether a history at `time` (n,) [s] reaches over the interval, to rounding."""
+    slack = _TIME_ROUNDING * max(abs(between[0]), abs(between[1]))
+    return len(time) > 0 and time[0] <= between[0] + slack and between[1] <= time[-1] + slack
+
+
+def relative_error(computed: float, value: float) -> float:
+    """(computed − value)/|value|; where the reference value is 0 the absolute error, `computed` itself."""
+    return (computed - value) / abs(value) if value else computed
+
+
+def read_curve(path: str | Path, scale: tuple[float, float] = (1.0, 1.0)) -> tuple[np.ndarray, np.ndarray]:
+    """Times (n,) [s] and values (n,) of a CSV file of two columns, with or without a header line.
+
+    `scale`: factors that turn the columns into s and the probe's unit. Read-off curves may run back a little in
+    time: rows are sorted. Raises BadInput, naming the line, if a row is not two numbers.
+    """
+    rows, header = [], False
+    try:
+        text = Path(path).read_text(encoding="utf-8-sig")
+    except (OSError, UnicodeDecodeError) as error:
+        raise BadInput(f"The reference curve {path} cannot be read ({error}).") from error
+    for number, row in enumerate(csv.reader(text.splitlines()), start=1):
+        if not row or row[0].lstrip().startswith("#"):
+            continue
+        try:
+            rows.append((float(row[0]), float(row[1])))
+        except (ValueError, IndexError):
+            if rows or header:
+                raise BadInput(
+                    f"The reference curve {path} has {','.join(row)!r} in line {number}; "
+                    f"two numbers, time and value, are needed."
+                ) from None
+            header = True
+    if not rows:
+        raise BadInput(f"The reference curve {path} holds no numbers.")
+    time, value = np.array(sorted(rows, key=lambda row: row[0])).T
+    return time * scale[0], value * scale[1]
+
+
+def finite(time: np.ndarray, value: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """The rows of a history that have a value."""
+    time, value = np.asarray(time, dtype=float), np.asarray(value, dtype=float)
+    good = np.isfinite(value)
+    return time[good], value[good]
+
+
+def _cut(time: np.ndarray, value: np.ndarray, between: Interval) -> tuple[np.ndarray, np.ndarray]:
+    """The part of a history in the interval, its ends interpolated."""
+    lower, upper = between
+    inside = (time > lower) & (time < upper)
+    ends = np.interp([lower, upper], time, value)
+    times = np.concatenate([[lower], time[inside], [upper]])
+    return times, np.concatenate([ends[:1], value[inside], ends[1:]])
+
+
+def _mean(time: np.ndarray, value: np.ndarray) -> float:
+    length = time[-1] - time[0]
+    return float(np.trapezoid(value, time) / length) if length > 0.0 else float(value[-1])
+
+
+def _slope(time: np.ndarray, value: np.ndarray) -> float | None:
+    offset = time - time.mean()
+    spread = float(offset @ offset)
+    return float(offset @ value) / spread if spread > 0.0 and math.isfinite(spread) else None
+
+
+_STATISTICS = {
+    "mean": _mean,
+    "min": lambda time, value: float(value.min()),
+    "max": lambda time, value: float(value.max()),
+    "final": lambda time, value: float(value[-1]),
+    "t_min": lambda time, value: float(time[value.argmin()]),
+    "t_max": lambda time, value: float(time[value.argmax()]),
+    "slope": _slope,
+}
