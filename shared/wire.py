@@ -13,11 +13,12 @@ A message is the map
     sequence   int    number of the request, from 0, one more each time; a reply repeats it
     t0, t1     float  ends of the window [s]
     info       map    small named values: strings, numbers, booleans, lists and maps of these
-    fields     map    name → {dtype, shape, data}: dtype "<f8" or "<i8", shape a list of integers, data raw bytes in C order
+    fields     map    name → {dtype, shape, data}: dtype "<f8" or "<i8", shape a list of integers, data raw, C order
 
 Requests and what they carry (fields; info), and their replies:
 
-    describe   –                                   → position (n, 2), volume (n,), body (n,); name, role, model, stable_step, spacing, numbers
+    describe   –                                   → position (n, 2), volume (n,), body (n,);
+                                                     name, role, model, stable_step, spacing, numbers
     start      selection (k,) of own points, and for a fluid the five kinematics of its ghosts;
                end, windows, rollback, probe_rows, frames
                                                    → own initial exchange on the selected points; probes
@@ -106,7 +107,7 @@ def decode(data: bytes) -> Message:
     if len(data) > SIZE_LIMIT:
         raise BadMessage(f"message of {len(data)} bytes is larger than the limit of {SIZE_LIMIT} bytes")
     try:
-        packed = msgpack.unpackb(data, max_buffer_size=SIZE_LIMIT)
+        packed = msgpack.unpackb(data)
     except Exception as error:  # msgpack raises many kinds for malformed input
         raise BadMessage(f"message is not valid msgpack: {error}") from None
     if not isinstance(packed, dict):

@@ -1,0 +1,93 @@
+"""The verbs' order is watched, and rollback returns to the same bytes."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from shared.clock import Clock
+from shared.contract import Loads, OutOfOrder
+from shared.participant import Participant
+
+CLOCK = Clock(1.0, 10)
+LOAD = Loads(np.zeros(4), np.tile([0.0, -1.0], (4, 1)))
+
+
+def started(model, **options):
+    participant = Participant(model, "solid")
+    participant.describe()
+    participant.start(CLOCK, np.arange(4), **options)
+    return participant
+
+
+def test_each_verb_refuses_its_wrong_moment(toy_spring):
+    participant = Participant(toy_spring(), "solid")
+    with pytest.raises(OutOfOrder, match="start refused: describe must come first"):
+        participant.start(CLOCK, np.arange(4))
+    with pytest.raises(OutOfOrder, match="advance refused: describe and start"):
+        participant.advance(CLOCK.window(0), LOAD)
+    participant = started(toy_spring())
+    with pytest.raises(OutOfOrder, match="accept refused"):
+        participant.accept()
+    with pytest.raises(OutOfOrder, match="window 0 is next, not window 1"):
+        participant.advance(CLOCK.window(1), LOAD)
+    participant.advance(CLOCK.window(0), LOAD)
+    with pytest.raises(OutOfOrder, match="accept it or roll it back"):
+        participant.advance(CLOCK.window(0), LOAD)
+    with pytest.raises(OutOfOrder, match="did not ask for rollback"):
+        participant.rollback()
+    participant.accept()
+    participant.finish()
+    with pytest.raises(OutOfOrder, match="has finished"):
+        participant.describe()
+
+
+def test_repeated_window_gives_the_same_bytes(toy_spring):
+    participant = started(toy_spring(), rollback=True)
+    plain = started(toy_spring())
+    for index in range(5):
+        expected = plain.advance(CLOCK.window(index), LOAD)
+        plain.accept()
+        for iteration in range(3):
+            found = participant.advance(CLOCK.window(index, iteration), LOAD)
+            assert found.position.tobytes() == expected.position.tobytes()
+            if iteration < 2:
+                participant.rollback()
+        participant.accept()
+
+
+def test_published_motion_is_consistent(toy_spring):
+    participant = started(toy_spring())
+    before = toy_spring().reference
+    for index in range(3):
+        window = CLOCK.window(index)
+        moved = participant.advance(window, LOAD)
+        participant.accept()
+        np.testing.assert_allclose(moved.position, before + window.length * moved.velocity_mean, atol=1e-15)
+        before = moved.position
+
+
+def test_checkpoint_goes_on_to_the_same_bytes(toy_spring, tmp_path):
+    whole, first, second = (started(toy_spring()) for _ in range(3))
+    for index in range(6):
+        expected = whole.advance(CLOCK.window(index), LOAD)
+        whole.accept()
+    for index in range(3):
+        first.advance(CLOCK.window(index), LOAD)
+        first.accept()
+    first.save(tmp_path / "state.h5")
+    second.load(tmp_path / "state.h5")
+    for index in range(3, 6):
+        found = second.advance(CLOCK.window(index), LOAD)
+        second.accept()
+    assert found.position.tobytes() == expected.position.tobytes()
+
+
+def test_loads_travel_to_the_selected_points_only(toy_spring):
+    full, part = started(toy_spring()), Participant(toy_spring(), "solid")
+    part.describe()
+    part.start(CLOCK, np.array([1, 3]))
+    some = Loads(np.zeros(2), np.array([[0.0, -1.5], [0.0, -2.5]]))
+    moved = part.advance(CLOCK.window(0), some)
+    assert moved.position.shape == (2, 2)
+    np.testing.assert_allclose(moved.position, full.advance(CLOCK.window(0), LOAD).position[[1, 3]], rtol=1e-15)
