@@ -1,0 +1,111 @@
+"""The zenoh link in one process: round trips, lost and silent participants."""
+
+from __future__ import annotations
+
+import threading
+import time
+
+import numpy as np
+import pytest
+
+from coupler.remote import Remote
+from shared import link_zenoh
+from shared.clock import Clock
+from shared.contract import Loads, ParticipantLost
+from shared.link_zenoh import ZenohLink, listening, serve
+from shared.participant import Participant
+from shared.service import Service
+
+
+def alive():
+    """A process that is never seen to die."""
+
+
+def serving(endpoint, participant, failures):
+    service = Service(participant, "run")
+    try:
+        serve(endpoint, "run", "solid", service.handle, lambda: participant.finished, participant.model.steps)
+    except ParticipantLost as error:
+        failures.append(str(error))
+
+
+@pytest.mark.timeout(60)
+def test_a_whole_run_over_zenoh(toy_spring):
+    with listening("run") as (session, endpoint):
+        participant, failures = Participant(toy_spring(), "solid"), []
+        thread = threading.Thread(target=serving, args=(endpoint, participant, failures))
+        thread.start()
+        link = ZenohLink(session, "run", "solid", alive, stall_after=20.0)
+        link.wait_connected(10.0)
+        remote, clock = Remote(link, "run", "solid"), Clock(1.0, 20)
+        remote.describe()
+        remote.start(clock, np.arange(4), frames=1, probe_rows=1)
+        for window in map(clock.window, range(20)):
+            moved = remote.advance(window, Loads(np.zeros(4), np.tile([0.0, -1.0], (4, 1))))
+            remote.begin_accept()
+            remote.end_accept()
+        assert remote.finish()["steps"] == 20
+        thread.join(10.0)
+    assert moved.position[0, 1] == participant.model.y
+    assert not thread.is_alive()
+    assert not failures
+
+
+@pytest.mark.timeout(60)
+def test_participant_ends_when_the_coupler_goes(toy_spring):
+    failures = []
+    with listening("run") as (session, endpoint):
+        thread = threading.Thread(target=serving, args=(endpoint, Participant(toy_spring(), "solid"), failures))
+        thread.start()
+        ZenohLink(session, "run", "solid", alive, stall_after=20.0).wait_connected(10.0)
+    thread.join(20.0)
+    assert not thread.is_alive()
+    assert "coupler is gone" in failures[0]
+
+
+@pytest.mark.timeout(60)
+def test_missing_participant_is_named():
+    with listening("run") as (session, _):
+        link = ZenohLink(session, "run", "solid", alive, stall_after=20.0)
+        with pytest.raises(ParticipantLost, match="did not connect within"):
+            link.wait_connected(0.5)
+
+
+@pytest.mark.timeout(60)
+def test_silent_participant_is_named(monkeypatch):
+    monkeypatch.setattr(link_zenoh, "_SILENT_AFTER_S", 0.5)
+    with listening("run") as (session, _):
+        link = ZenohLink(session, "run", "fluid", alive, stall_after=20.0)
+        link.send(b"question")
+        with pytest.raises(ParticipantLost, match="sent no heartbeat"):
+            link.receive()
+
+
+@pytest.mark.timeout(60)
+def test_stalled_participant_is_named():
+    """Heartbeats arrive, the number of steps in them stands still."""
+    with listening("run") as (session, _):
+        link = ZenohLink(session, "run", "fluid", alive, stall_after=1.0)
+        stop = threading.Event()
+
+        def beat():
+            while not stop.wait(0.1):
+                session.put("shearwater/run/fluid/heartbeat", "41")
+
+        heart = threading.Thread(target=beat)
+        heart.start()
+        try:
+            time.sleep(0.3)
+            link.send(b"question")
+            with pytest.raises(ParticipantLost, match="no time step for"):
+                link.receive()
+        finally:
+            stop.set()
+            heart.join()
+
+
+def test_no_coupler_at_the_endpoint(monkeypatch, toy_spring):
+    monkeypatch.setattr(link_zenoh, "_CONNECT_TIMEOUT_S", 0.5)
+    failures = []
+    serving(link_zenoh.free_endpoint(), Participant(toy_spring(), "solid"), failures)
+    assert "cannot reach a coupler" in failures[0]
