@@ -14,7 +14,7 @@ from hypothesis import strategies as st
 
 from shared.contract import BadInput, ShearwaterError
 from shared.probes import UNITS, ProbeTable, compare, probe_units, read_probes
-from shared.results import environment, make_result, new_run_directory, peak_mib, write_result
+from shared.results import environment, make_result, new_run_directory, write_result
 from shared.schema import Quantity, Scene
 from shared.statistics import read_curve, relative_error, statistic
 
