@@ -1,0 +1,116 @@
+"""Elastic bodies as particle lattices, their clamped points, and values at material points.
+
+Index units: position along the lattice's own axes over its spacings, the longer direction of the body first.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.spatial import cKDTree
+
+from shared.contract import BadInput
+from shared.geometry import Particles, faces, fill
+from shared.kernels import kernel_named
+from shared.schema import Scene, SolidBody
+from solid_solver.clamps import FACE_POINT_WEIGHT, face_points
+from solid_solver.quadratic_fit import Fit, basis, quadratic_fit
+from solid_solver.stencil import fast_axis_first
+
+_ROUNDING = 9  # decimals of index units: equal neighbourhoods must be equal to the bit
+_TIE = 1.0e-6  # relative: particles this equally near to a point share in its value
+
+
+@dataclass(frozen=True)
+class LatticeBody:
+    """One body. `shape`: its table in the scene; `first`: number of its first particle among all bodies';
+    `position` (n, 2) [m], `index` (n, 2) whole numbers, `spacing` (2,) [m], `axes` (2, 2) unit vectors by row,
+    `origin` (2,): index = axes · position / spacing − origin; `clamped` (m, 2): fixed points [index units]."""
+
+    shape: SolidBody
+    first: int
+    position: np.ndarray
+    index: np.ndarray
+    spacing: np.ndarray
+    axes: np.ndarray
+    origin: np.ndarray
+    clamped: np.ndarray
+    fit: Fit
+
+    @property
+    def cell(self) -> float:
+        """Area of a particle's cell [m²]."""
+        return float(self.spacing[0] * self.spacing[1])
+
+    @property
+    def scale(self) -> np.ndarray:
+        """Factors (5,) that turn derivatives by index into derivatives by length."""
+        a, b = 1.0 / self.spacing
+        return np.array([a, b, a * a, a * b, b * b])
+
+    def to_index(self, points: np.ndarray) -> np.ndarray:
+        """Points (m, 2) [m] of the reference configuration in index units."""
+        return np.round(points @ self.axes.T / self.spacing - self.origin, _ROUNDING)
+
+    def point_weights(self, points: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        """Weights that give the displacement at material `points` (m, 2) [m]: f(x) = Σ w f[particle].
+
+        Returns rows (the point), columns (particle number among all bodies'), weights. From the quadratic fit
+        about the nearest particle, or the mean of those equally near; exact for quadratic fields, also on faces.
+        """
+        at = self.to_index(points)
+        tree = cKDTree(self.index.astype(float))
+        nearest, _ = tree.query(at)
+        number = {tuple(i): k for k, i in enumerate(self.index)}
+        rows, columns, weights = [], [], []
+        for m, near in enumerate(nearest):
+            owners = sorted(tree.query_ball_point(at[m], near * (1.0 + _TIE) + _TIE))
+            for a in owners:
+                w = self.fit.coefficient[a] @ basis(at[m] - self.index[a])
+                w[np.all(self.fit.offset == 0, axis=1)] += 1.0
+                for k in np.flatnonzero(w):
+                    rows.append(m)
+                    columns.append(self.first + number[tuple(self.index[a] + self.fit.offset[k])])
+                    weights.append(w[k] / len(owners))
+        return np.array(rows), np.array(columns), np.array(weights)
+
+
+def _lattice(particles: Particles) -> tuple[np.ndarray, ...]:
+    """Index (n, 2), spacing, axes and origin of a filled shape, the longer direction first."""
+    spacing, axes = np.array(particles.spacing), particles.axes
+    scaled = particles.position @ axes.T / spacing
+    index = np.rint(scaled - scaled[0]).astype(np.int64)
+    origin = np.mean(scaled - index, axis=0)
+    order = fast_axis_first(index)
+    return index[:, order], spacing[order], axes[order], origin[order]
+
+
+def _lattice_body(scene: Scene, shape: SolidBody, first: int) -> LatticeBody:
+    solid = scene.solid
+    particles = fill(shape, solid.dx)
+    if len(particles.position) == 0:
+        raise BadInput(f"Body '{shape.name}' holds no particle at solid.dx = {solid.dx:g} m; make solid.dx smaller.")
+    index, spacing, axes, origin = _lattice(particles)
+    held = [c.face for c in solid.clamps if c.body == shape.name]
+    outline = faces(shape)
+    points = [face_points(outline[name], axes, spacing)[0] for name in held]
+    fixed = np.concatenate([np.zeros((0, 2)), *points])
+    fixed = np.unique(np.round(fixed @ axes.T / spacing - origin, _ROUNDING), axis=0)
+    fit = quadratic_fit(kernel_named(solid.kernel), solid.h_over_dx, index, fixed, FACE_POINT_WEIGHT)
+    if fit.deficient.any():
+        where = particles.position[np.argmax(fit.deficient)]
+        raise BadInput(
+            f"Body '{shape.name}' is too thin for its particles at ({where[0]:.4g}, {where[1]:.4g}) m: derivatives need "
+            f"three or more particles across, and solid.dx is {solid.dx:g} m. Make solid.dx at most a third of the thickness."
+        )
+    return LatticeBody(shape, first, particles.position, index, spacing, axes, origin, fixed, fit)
+
+
+def lattice_bodies(scene: Scene) -> list[LatticeBody]:
+    """The scene's elastic bodies, particles numbered body by body. Raises BadInput for one too thin to resolve."""
+    result, first = [], 0
+    for shape in scene.solid.bodies:
+        result.append(_lattice_body(scene, shape, first))
+        first += len(result[-1].position)
+    return result

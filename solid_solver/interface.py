@@ -1,0 +1,63 @@
+"""What the structure publishes: its description, and the motion of its interface points over a window."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from shared.contract import Description, Kinematics
+from shared.geometry import own_box
+from shared.schema import Scene, Solid
+from solid_solver.bodies import LatticeBody
+
+
+def lame(solid: Solid) -> tuple[float, float]:
+    """Lamé's λ and μ [Pa] (plane strain)."""
+    e, nu = solid.youngs_modulus, solid.poisson_ratio
+    return e * nu / ((1.0 + nu) * (1.0 - 2.0 * nu)), e / (2.0 * (1.0 + nu))
+
+
+def wave_speed(solid: Solid) -> float:
+    """Speed of P waves c_p = √((λ + 2μ)/ρ) [m/s]."""
+    lam, mu = lame(solid)
+    return math.sqrt((lam + 2.0 * mu) / solid.density)
+
+
+def thickness(scene: Scene) -> float:
+    """Smallest extent of the bodies' bounding boxes, in their own frames [m]."""
+    return min(float(np.min(upper - lower)) for lower, upper in map(own_box, scene.solid.bodies))
+
+
+def describe(scene: Scene, bodies: list[LatticeBody], stable_step: float) -> Description:
+    """The structure's description: every particle is an interface point."""
+    solid = scene.solid
+    return Description(
+        name="solid",
+        role="structure",
+        model=solid.model,
+        stable_step=stable_step,
+        spacing=solid.dx,
+        position=np.concatenate([b.position for b in bodies]),
+        volume=np.concatenate([np.full(len(b.position), b.cell) for b in bodies]),
+        body=np.concatenate([np.full(len(b.position), k) for k, b in enumerate(bodies)]),
+        numbers={
+            "density": solid.density,
+            "thickness": thickness(scene),
+            "wave_speed": wave_speed(solid),
+            "youngs_modulus": solid.youngs_modulus,
+            "poisson_ratio": solid.poisson_ratio,
+            "spacing_min": min(float(b.spacing.min()) for b in bodies),
+        },
+    )
+
+
+def kinematics_over_window(start, end, acceleration: np.ndarray, length: float) -> Kinematics:
+    """Motion over a window of `length` [s] from (position, velocity) at its `start` and `end`, each (n, 2)."""
+    return Kinematics(
+        position=end[0],
+        velocity=end[1],
+        acceleration=acceleration,
+        velocity_mean=(end[0] - start[0]) / length,
+        acceleration_mean=(end[1] - start[1]) / length,
+    )

@@ -1,0 +1,15 @@
+"""The solid's models by name."""
+
+from __future__ import annotations
+
+from shared.contract import Model
+from shared.schema import Scene
+from solid_solver.total_lagrangian import TotalLagrangian
+
+MODELS = {"total-lagrangian": TotalLagrangian}
+"""A new model is one new file and one entry here."""
+
+
+def make_model(scene: Scene, coupled: bool, threads: int) -> Model:
+    """The model that `scene.solid.model` names; `coupled`: a fluid's loads will come; `threads` to use at most."""
+    return MODELS[scene.solid.model](scene, coupled, threads)

@@ -1,0 +1,196 @@
+"""Model `total-lagrangian`: neighbours fixed in the reference state, quadratic fit, energy-consistent forces.
+
+One step, kick-drift-kick with velocities half a step behind inside a window (the equations are in lattice_sweeps.py):
+
+    1. derivatives of the displacement from the fit, strain and its gradient, stress
+    2. force by the transposed fit, a = force/ρ + loads
+    3. v ← e v + τφ a with e = exp(−ητ), φ = (1 − e)/(ητ): a kick under constant a that solves the damping −η v exactly
+    4. u ← u + Δt v
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+
+import numba
+import numpy as np
+
+from shared.contract import Description, Exchange, Frame, Kinematics, Loads, SolverFailed
+from shared.schema import Scene
+from solid_solver.bodies import lattice_bodies
+from solid_solver.interface import describe, kinematics_over_window, lame, wave_speed
+from solid_solver.lattice_sweeps import SCRATCH, SUMS, derivative_sweep, extremes, steps
+from solid_solver.loads import scheduled_loads
+from solid_solver.probes import solid_probes
+from solid_solver.stencil import lay_out
+from solid_solver.stresses import cauchy_fields
+
+COURANT_OF_LIMIT = 0.85
+"""Default step over the limit 2/ω_max, found for each scene by power iteration; 0.62 dx/c_p for a plain block, where
+0.73 is the limit (0.64 for a plate 4 particles across, 0.54 for 3). The rest is for the iteration's own error."""
+
+POWER_ITERATIONS = 100
+
+TRIAL_STRAIN = 1.0e-7
+"""Size of the displacement gradients by which the power iteration probes the linear stiffness."""
+
+PARALLEL_FROM = 3000
+"""Particles from which a second thread pays."""
+
+
+class TotalLagrangian:
+    """The total-Lagrangian solid (see the module's text). Arrays named `_u`, `_v`, `_a` are (2, slots), padded."""
+
+    role = "structure"
+
+    def __init__(self, scene: Scene, coupled: bool, threads: int):
+        self._scene, self._coupled = scene, coupled
+        self._bodies = lattice_bodies(scene)
+        layout = lay_out([(b.index, b.fit, b.scale) for b in self._bodies])
+        self._layout, self._slot = layout, layout.slot
+        self._count = len(layout.slot)
+        self._threads = threads if self._count >= PARALLEL_FROM else 1
+        self._position = np.concatenate([b.position for b in self._bodies])
+        self._mass = scene.solid.density * np.concatenate([np.full(len(b.position), b.cell) for b in self._bodies])
+        self._axes = np.array([b.axes for b in self._bodies])
+        self._axis_of = np.repeat(self._axes, [len(b.position) for b in self._bodies], axis=0)
+        self._moment = np.array([b.spacing**2 / 12.0 for b in self._bodies])
+        self._forward = (layout.forward.first, layout.forward.distance, layout.forward.coefficient)
+        self._transposed = (layout.transposed.first, layout.transposed.distance, layout.transposed.coefficient)
+        self._stress = np.zeros((SUMS, layout.slots))
+        self._scratch = np.zeros((len(layout.chunk) - 1, SCRATCH))
+        self._loads = scheduled_loads(scene, self._bodies)
+        self._ramped = np.array([self._padded(r) for r in self._loads.ramped]).reshape(-1, 2, layout.slots)
+        self._probes = solid_probes(scene, self._bodies)
+        self._u, self._v, self._a = (np.zeros((2, layout.slots)) for _ in range(3))
+        for body in self._bodies:
+            own = self._slot[body.first : body.first + len(body.position)]
+            self._v[:, own] = np.asarray(body.shape.velocity)[:, None]
+        self._time, self._steps = 0.0, 0
+        self._reference_step = self._linear_step()
+        self._survey()
+
+    # ---- the contract -----------------------------------------------------------------------------------------
+
+    def describe(self) -> Description:
+        return describe(self._scene, self._bodies, self.stable_step())
+
+    def begin(self, motion: Kinematics | None) -> Kinematics:
+        acceleration = self._loads.at(0.0) - self._scene.solid.damping * self._public(self._v)
+        velocity = self._public(self._v)
+        return Kinematics(self._position.copy(), velocity, acceleration, velocity.copy(), acceleration.copy())
+
+    def stable_step(self) -> float:
+        # The tangent stiffness of St. Venant-Kirchhoff's law along a stretch Λ is (3Λ² − 1)/2 times the linear one.
+        return self._reference_step / math.sqrt(0.5 * (3.0 * self._largest_stretch_squared - 1.0))
+
+    def advance(self, t0: float, t1: float, substeps: int, boundary: Exchange | None) -> Kinematics:
+        numba.set_num_threads(self._threads)
+        dt = (t1 - t0) / substeps
+        shares = self._loads.shares(t0 + dt * np.arange(substeps + 1))
+        steady = self._loads.steady
+        if isinstance(boundary, Loads):
+            steady = steady + boundary.force / self._mass[:, None]
+        load = self._padded(steady)
+        start = self._position + self._public(self._u), self._public(self._v)
+        whole, half = self._kick(dt), self._kick(0.5 * dt)
+        self._v *= half[0]
+        self._v += half[1] * (self._a + load + np.tensordot(shares[0], self._ramped, axes=1))
+        self._u += dt * self._v
+        self._step(load, shares[1:], np.array([whole, half]), dt)
+        self._steps += substeps
+        self._time = t1
+        self._survey()
+        end = self._position + self._public(self._u), self._public(self._v)
+        total = self._a + load + np.tensordot(shares[-1], self._ramped, axes=1) - self._scene.solid.damping * self._v
+        return kinematics_over_window(start, end, self._public(total), t1 - t0)
+
+    def state(self) -> dict[str, np.ndarray]:
+        return {"displacement": self._u, "velocity": self._v, "acceleration": self._a, "time": np.array([self._time])}
+
+    def restore(self, state: Mapping[str, np.ndarray]) -> None:
+        self._u[...], self._v[...], self._a[...] = state["displacement"], state["velocity"], state["acceleration"]
+        self._time = float(state["time"][0])
+        self._survey()
+
+    def check(self) -> None:
+        if self._worst_det > 0.0:
+            return
+        place = self._position[self._worst_particle]
+        what = "the state is not finite" if math.isnan(self._worst_det) else f"det F = {self._worst_det:.3g}"
+        raise SolverFailed(
+            f"The solid failed at t = {self._time:.6g} s: {what} at the particle with reference position "
+            f"({place[0]:.5g}, {place[1]:.5g}) m, so it is turned inside out or lost. Lower solid.courant (step now at most "
+            f"{self.stable_step():.3g} s), refine solid.dx, or check that the loads suit the material."
+        )
+
+    def probe_values(self) -> dict[str, float]:
+        u, v = self._public(self._u), self._public(self._v)
+        return {name: value(u, v) for name, value in self._probes.items()}
+
+    def frame(self) -> Frame:
+        planes = np.zeros_like(self._stress)
+        derivative_sweep(self._u, planes, self._scratch, self._layout.run, self._layout.chunk, self._forward)
+        u = self._public(self._u)
+        fields = {"displacement": u, "velocity": self._public(self._v)}
+        fields |= cauchy_fields(planes[:, self._slot], self._axis_of, *lame(self._scene.solid))
+        return Frame(self._position + u, fields)
+
+    def particles(self) -> int:
+        return self._count
+
+    def steps(self) -> int:
+        return self._steps
+
+    # ---- inside -----------------------------------------------------------------------------------------------
+
+    def _padded(self, field: np.ndarray) -> np.ndarray:
+        """A field (n, 2) over the padded slots, (2, slots)."""
+        planes = np.zeros((2, self._layout.slots))
+        planes[:, self._slot] = field.T
+        return planes
+
+    def _public(self, planes: np.ndarray) -> np.ndarray:
+        """A field (2, slots) in the order of the published points, (n, 2)."""
+        return np.ascontiguousarray(planes[:, self._slot].T)
+
+    def _kick(self, tau: float) -> tuple[float, float]:
+        """Factors e and τφ of a kick of `tau` [s]."""
+        eta = self._scene.solid.damping
+        if eta == 0.0:
+            return 1.0, tau
+        return math.exp(-eta * tau), -math.expm1(-eta * tau) / eta
+
+    def _step(self, load: np.ndarray, shares: np.ndarray, kicks: np.ndarray, dt: float) -> None:
+        solid, layout = self._scene.solid, self._layout
+        steps(
+            self._u, self._v, self._a, self._stress, self._scratch, layout.run, layout.chunk, self._forward,
+            self._transposed, self._axes, self._moment, (*lame(solid), solid.density), load, self._ramped, shares, kicks, dt,
+        )  # fmt: skip
+
+    def _linear_step(self) -> float:
+        """Stable step of the unstrained bodies [s]: from the Courant number given, or 2/ω_max by power iteration."""
+        solid = self._scene.solid
+        dx = min(float(b.spacing.min()) for b in self._bodies)
+        if solid.courant != "auto":
+            return solid.courant * dx / wave_speed(solid)
+        numba.set_num_threads(self._threads)
+        saved = {name: array.copy() for name, array in self.state().items() if name != "time"}
+        self._u[:, self._slot] = np.random.default_rng(0).standard_normal((2, self._count))
+        still = np.array([[1.0, 0.0], [1.0, 0.0]])
+        rest, shares = np.zeros_like(self._u), np.zeros((1, len(self._ramped)))
+        omega_squared = 0.0
+        for _ in range(POWER_ITERATIONS):
+            self._u *= TRIAL_STRAIN * dx / np.max(np.abs(self._u))
+            self._step(rest, shares, still, 0.0)
+            omega_squared = math.sqrt(np.sum(self._a**2) / np.sum(self._u**2))
+            self._u[...] = self._a
+        self._u[...], self._v[...], self._a[...] = saved["displacement"], saved["velocity"], saved["acceleration"]
+        return COURANT_OF_LIMIT * 2.0 / math.sqrt(omega_squared)
+
+    def _survey(self) -> None:
+        """Note the smallest det F and the largest stretch of the present state."""
+        derivative_sweep(self._u, self._stress, self._scratch, self._layout.run, self._layout.chunk, self._forward)
+        found = extremes(self._stress, self._slot, self._axis_of)
+        self._worst_det, self._worst_particle, self._largest_stretch_squared = found
