@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import hashlib
 import time
 from collections.abc import Mapping
 from pathlib import Path
@@ -10,12 +9,11 @@ from typing import Any
 
 from shared.contract import ShearwaterError
 from shared.pictures import draw_last_frame, draw_probes
+from shared.probes import ProbeTable, probe_units
 from shared.progress import Progress
-from shared.results import ProbeTable, compare, environment, write_result
+from shared.results import make_result, write_result
 from shared.scene import dump_scene
 from shared.schema import Scene
-
-RESULT_SCHEMA = 1
 
 
 class Record:
@@ -34,10 +32,9 @@ class Record:
         self.result: dict[str, Any] = {}
         self._scene, self._case, self._threads = scene, case, dict(threads)
         self._time = 0.0
-        text = dump_scene(scene)
-        (run_dir / "case.toml").write_text(text)
-        self._hash = hashlib.sha256(text.encode()).hexdigest()
-        self._table = ProbeTable(run_dir / "probes.csv", {p.name: p.quantity for p in scene.probes})
+        self._text = dump_scene(scene)
+        (run_dir / "case.toml").write_text(self._text, encoding="utf-8")
+        self._table = ProbeTable(run_dir / "probes.csv", probe_units(scene))
         self._progress = Progress(scene.title, scene.end_time, quiet)
 
     def __enter__(self) -> Record:
@@ -56,20 +53,19 @@ class Record:
         self._progress.__exit__(None, None, None)
         self._table.close()
         status, reason = _status(error)
-        self.result = {
-            "schema": RESULT_SCHEMA,
-            "case": self._case,
-            "case_hash": self._hash,
-            "status": status,
-            "reason": reason,
-            "t_end": self._time,
-            "probes": self._table.summary(self._scene.output.average_from),
-            "references": compare(self._scene, self._table),
-            "cost": {"wall_s": time.perf_counter() - self._begun, **self.cost},
-            "ledger": self.ledger,
-            "preflight": self.preflight,
-            "environment": environment(self._threads),
-        }
+        self.result = make_result(
+            self._scene,
+            self._text,
+            self._table,
+            case=self._case,
+            status=status,
+            reason=reason,
+            t_end=self._time,
+            cost={"wall_s": time.perf_counter() - self._begun, **self.cost},
+            threads=self._threads,
+            ledger=self.ledger,
+            preflight=self.preflight,
+        )
         write_result(self.run_dir, self.result)
         self.pictures = [draw_last_frame(self.run_dir, self._scene), *draw_probes(self.run_dir, self._scene)]
 

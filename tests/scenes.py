@@ -1,0 +1,68 @@
+"""Small scenes that tests vary."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+TINY_COUPLED = """\
+schema = 1
+title = "A little water on a thin plate"
+end_time = {end_time}
+gravity = [0.0, -9.81]
+
+[fluid]
+model = "{fluid}"
+dx = 4.0e-3
+bodies = [{{ name = "water", rectangle = [0.0, 0.0, 0.1, 0.06] }}]
+
+[[walls]]
+name = "left"
+polyline = [[0.0, 0.12], [0.0, -0.012]]
+
+[[walls]]
+name = "right"
+polyline = [[0.1, -0.012], [0.1, 0.12]]
+
+[solid]
+model = "{solid}"
+dx = {solid_dx}
+density = 1200.0
+youngs_modulus = 1.0e6
+poisson_ratio = 0.3
+damping = 50.0
+bodies = [{{ name = "plate", rectangle = [0.0, -0.012, 0.1, 0.0] }}]
+clamps = [{{ body = "plate", face = "left" }}, {{ body = "plate", face = "right" }}]
+
+[[probes]]
+name = "mid_y"
+body = "plate"
+point = [0.05, -0.006]
+quantity = "displacement-y"
+
+[[probes]]
+name = "bottom"
+point = [0.05, 0.004]
+quantity = "pressure"
+
+[[probes]]
+name = "load_y"
+body = "plate"
+quantity = "force-y"
+
+[output]
+frames = 5
+"""
+
+
+def tiny_coupled(
+    folder: Path,
+    *,
+    end_time: float = 0.02,
+    fluid: str = "ctvf",
+    solid: str = "total-lagrangian",
+    solid_dx: float = 4.0e-3,
+) -> Path:
+    """A coupled scene of 375 fluid particles, written to `folder`; a few seconds a simulated 0.1 s."""
+    path = folder / "tiny.toml"
+    path.write_text(TINY_COUPLED.format(end_time=end_time, fluid=fluid, solid=solid, solid_dx=solid_dx))
+    return path

@@ -1,0 +1,131 @@
+"""Killed, stopped and interrupted runs: the right exit code, the results so far readable, no process left behind."""
+
+from __future__ import annotations
+
+import json
+import os
+import signal
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+import pytest
+
+from shared.vtkhdf import read_frame
+from tests.scenes import tiny_coupled
+
+START_WITHIN_S = 100.0  # a first run compiles
+pytestmark = pytest.mark.timeout(180)
+
+
+def children(pid: int) -> dict[str, int]:
+    """Process ids of a coupler's solvers, by package."""
+    found = {}
+    for entry in Path("/proc").iterdir():
+        if entry.name.isdigit():
+            try:
+                parent = int((entry / "stat").read_text().rpartition(")")[2].split()[1])
+                command = (entry / "cmdline").read_bytes().split(b"\0")
+            except OSError:
+                continue
+            if parent == pid:
+                found |= {n: int(entry.name) for n in ("fluid_solver", "solid_solver") if n.encode() in command}
+    return found
+
+
+def gone(pid: int) -> bool:
+    """Whether the process has ended (a zombie has)."""
+    try:
+        return Path(f"/proc/{pid}/stat").read_text().rpartition(")")[2].split()[0] == "Z"
+    except OSError:
+        return True
+
+
+def all_gone(pids, within: float) -> bool:
+    deadline = time.monotonic() + within
+    while time.monotonic() < deadline:
+        if all(map(gone, pids)):
+            return True
+        time.sleep(0.1)
+    return False
+
+
+@pytest.fixture
+def running(tmp_path):
+    """A coupled run that has passed its first windows: the coupler's process, its solvers' pids, the run directory."""
+    out = tmp_path / "run"
+    command = [sys.executable, "-m", "coupler", "run", str(tiny_coupled(tmp_path, end_time=60.0)), "--out", str(out)]
+    command += ["--threads", "fluid=1,solid=1", "--set", "output.frames=10000", "--set", "output.probe_interval=0.005"]
+    process = subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
+    probes, deadline = out / "probes.csv", time.monotonic() + START_WITHIN_S
+    while not (probes.exists() and probes.read_text().count("\n") > 5):
+        assert process.poll() is None, process.communicate()[1]
+        assert time.monotonic() < deadline, "the run did not start"
+        time.sleep(0.2)
+    solvers = children(process.pid)
+    assert set(solvers) == {"fluid_solver", "solid_solver"}
+    yield process, solvers, out
+    for pid in [process.pid, *solvers.values()]:
+        if not gone(pid):
+            os.kill(pid, signal.SIGKILL)
+    process.communicate()
+
+
+def ended(process) -> tuple[int, str]:
+    """Exit code and error text."""
+    _, errors = process.communicate(timeout=60.0)
+    assert "Traceback" not in errors
+    return process.returncode, errors
+
+
+def readable(out: Path) -> dict:
+    """The result, after a look at everything else in the run directory."""
+    for side in ("fluid", "solid"):
+        now, frame = read_frame(out / f"{side}.vtkhdf")
+        assert now > 0.0
+        assert len(frame.position) > 0
+    assert (out / "ledger.csv").read_text().count("\n") > 2
+    return json.loads((out / "result.json").read_text())
+
+
+@pytest.mark.parametrize("victim", ["fluid", "solid"])
+def test_killed_solver(running, victim):
+    process, solvers, out = running
+    os.kill(solvers[f"{victim}_solver"], signal.SIGKILL)
+    code, errors = ended(process)
+    assert code == 4
+    assert f"{victim} solver" in errors
+    assert "killed by signal 9" in errors
+    assert readable(out)["status"] == "failed"
+    assert all_gone(solvers.values(), within=10.0)
+
+
+def test_interrupted_run(running):
+    process, solvers, out = running
+    process.send_signal(signal.SIGINT)
+    code, _ = ended(process)
+    assert code == 130
+    result = readable(out)
+    assert result["status"] == "interrupted"
+    assert result["t_end"] > 0.0
+    assert result["probes"]["mid_y"]["final"] is not None
+    assert all_gone(solvers.values(), within=10.0)
+
+
+def test_killed_coupler_leaves_no_solver(running):
+    process, solvers, _ = running
+    process.kill()
+    process.wait()
+    assert all_gone(solvers.values(), within=15.0)
+
+
+@pytest.mark.slow
+def test_stopped_solver_is_noticed(running):
+    process, solvers, out = running
+    os.kill(solvers["solid_solver"], signal.SIGSTOP)
+    code, errors = ended(process)
+    assert code == 4
+    assert "no heartbeat" in errors or "closed its connection" in errors
+    assert readable(out)["status"] == "failed"
+    assert all_gone(solvers.values(), within=10.0)
