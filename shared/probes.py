@@ -10,9 +10,10 @@ from typing import Any
 
 import numpy as np
 
-from shared.contract import ShearwaterError
+from shared.contract import BadInput, ShearwaterError
+from shared.curves import read_curve
 from shared.schema import Reference, Scene
-from shared.statistics import Interval, finite, read_curve, relative_error, statistic
+from shared.statistics import Interval, finite, relative_error, statistic
 
 UNITS = {
     "displacement-x": "m",
@@ -142,6 +143,16 @@ def compare(scene: Scene, table: ProbeTable) -> list[dict[str, Any]]:
     return rows
 
 
+def reference_curve(reference: Reference) -> np.ndarray:
+    """Time [s] and value, in the probe's unit, of a reference's curve: (2, n). Raises BadInput."""
+    try:
+        return read_curve(reference.curve, reference.scale).T
+    except (OSError, ValueError) as error:
+        raise BadInput(
+            f"The curve {reference.curve} of reference {reference.name!r} cannot be read: {error}."
+        ) from error
+
+
 def _both(reference: Reference, time: np.ndarray, values: np.ndarray, average_from: float):
     """Reference value and computed value of one reference."""
     time, values = finite(time, values)
@@ -152,7 +163,7 @@ def _both(reference: Reference, time: np.ndarray, values: np.ndarray, average_fr
         if reference.between is None:
             interval = (interval[0], float(time[-1]))
         return reference.value, _over(reference.statistic, time, values, interval)
-    curve = read_curve(reference.curve, reference.scale)
+    curve = reference_curve(reference)
     shared = (max(interval[0], time[0], curve[0][0]), min(interval[1], time[-1], curve[0][-1]))
     return _over(reference.statistic, *curve, shared), _over(reference.statistic, time, values, shared)
 

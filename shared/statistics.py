@@ -6,13 +6,9 @@ rows whose value is not finite say that there was nothing to measure and are lef
 
 from __future__ import annotations
 
-import csv
 import math
-from pathlib import Path
 
 import numpy as np
-
-from shared.contract import BadInput
 
 Interval = tuple[float, float]
 
@@ -44,35 +40,6 @@ def covers(time: np.ndarray, between: Interval) -> bool:
 def relative_error(computed: float, value: float) -> float:
     """(computed − value)/|value|; where the reference value is 0 the absolute error, `computed` itself."""
     return (computed - value) / abs(value) if value else computed
-
-
-def read_curve(path: str | Path, scale: tuple[float, float] = (1.0, 1.0)) -> tuple[np.ndarray, np.ndarray]:
-    """Times (n,) [s] and values (n,) of a CSV file of two columns, with or without a header line.
-
-    `scale`: factors that turn the columns into s and the probe's unit. Read-off curves may run back a little in
-    time: rows are sorted. Raises BadInput, naming the line, if a row is not two numbers.
-    """
-    rows, header = [], False
-    try:
-        text = Path(path).read_text(encoding="utf-8-sig")
-    except (OSError, UnicodeDecodeError) as error:
-        raise BadInput(f"The reference curve {path} cannot be read ({error}).") from error
-    for number, row in enumerate(csv.reader(text.splitlines()), start=1):
-        if not row or row[0].lstrip().startswith("#"):
-            continue
-        try:
-            rows.append((float(row[0]), float(row[1])))
-        except (ValueError, IndexError):
-            if rows or header:
-                raise BadInput(
-                    f"The reference curve {path} has {','.join(row)!r} in line {number}; "
-                    f"two numbers, time and value, are needed."
-                ) from None
-            header = True
-    if not rows:
-        raise BadInput(f"The reference curve {path} holds no numbers.")
-    time, value = np.array(sorted(rows, key=lambda row: row[0])).T
-    return time * scale[0], value * scale[1]
 
 
 def finite(time: np.ndarray, value: np.ndarray) -> tuple[np.ndarray, np.ndarray]:

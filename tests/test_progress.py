@@ -50,7 +50,13 @@ def test_quiet_is_silent(wall, capfd):
     assert capfd.readouterr() == ("", "")
 
 
-def test_a_failure_goes_through(wall):
-    with pytest.raises(KeyboardInterrupt), Progress("Still tank", 2.0) as bar:
+def interrupted():
+    with Progress("Still tank", 2.0) as bar:
         bar.update(1.0)
         raise KeyboardInterrupt
+
+
+def test_an_interruption_goes_through_and_says_how_far_it_came(wall, capfd):
+    with pytest.raises(KeyboardInterrupt):
+        interrupted()
+    assert "t = 1 of 2 s" in capfd.readouterr().err

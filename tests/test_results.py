@@ -16,7 +16,7 @@ from shared.contract import BadInput, ShearwaterError
 from shared.probes import UNITS, ProbeTable, compare, probe_units, read_probes
 from shared.results import environment, make_result, new_run_directory, write_result
 from shared.schema import Quantity, Scene
-from shared.statistics import read_curve, relative_error, statistic
+from shared.statistics import relative_error, statistic
 
 OMEGA = 2.0 * math.pi * 30.25  # first frequency of the beam under a uniform load [rad/s]
 STATIC = 5.986e-5  # its static deflection [m]
@@ -237,17 +237,9 @@ def test_curves_are_compared_where_both_are(tmp_path, header):
     assert outside["computed"] is None
 
 
-def test_curves_that_are_no_curves(tmp_path):
-    with pytest.raises(BadInput, match="cannot be read"):
-        read_curve(tmp_path / "absent.csv")
-    (tmp_path / "bad.csv").write_text("t,v\n0,1\n1,oops\n")
-    with pytest.raises(BadInput, match="line 3"):
-        read_curve(tmp_path / "bad.csv")
-    (tmp_path / "empty.csv").write_text("# nothing\nt,v\n")
-    with pytest.raises(BadInput, match="no numbers"):
-        read_curve(tmp_path / "empty.csv")
-    (tmp_path / "back.csv").write_text("# read off a plot\n0,1\n2,3\n1,2\n")
-    np.testing.assert_array_equal(read_curve(tmp_path / "back.csv", (1.0, 10.0)), [[0, 1, 2], [10, 20, 30]])
+def test_a_curve_that_is_gone_is_named(tmp_path):
+    with pytest.raises(BadInput, match=r"absent\.csv of reference 'theory'"):
+        compare(scene([reference(curve=str(tmp_path / "absent.csv"))]), ringing(tmp_path / "probes.csv"))
 
 
 # ---- the result -------------------------------------------------------------------------------------------------
