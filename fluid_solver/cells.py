@@ -1,0 +1,165 @@
+"""Cell sort, and the candidates of a cell.
+
+Particles are counting-sorted by cell, row of cells by row, in each cell fluid before ghosts. Cell c holds
+[start[2c], start[2c + 1]) fluid and [start[2c + 1], start[2c + 2]) ghosts; one ring of empty cells surrounds all.
+Everything within the kernel's support of a particle lies in the 3 × 3 cells around its own, as long as no particle
+has moved more than half the skin since the sort: cells are support + skin wide.
+
+A sweep copies the candidates of a cell once into small contiguous rows, padded with far-away dummies of no mass to
+a multiple of the vector width, and runs each particle of the cell over them without branches: that vectorises,
+which walking the cells directly does not.
+"""
+
+from __future__ import annotations
+
+import numba
+import numpy as np
+
+from fluid_solver.fields import FLUID, PARKED, X, Y
+from shared.jit import njit, parallel_njit
+
+LANES = 8  # float64 per vector register (AVX-512); shorter registers divide it
+FAR = 1.0e12  # m; where the dummies stand
+BLOCK = 4096  # particles per task of an elementwise loop
+CHUNKS = 48  # tasks of a sweep; fixed, so that nothing depends on the thread count
+MAX_CELLS = 4_000_000
+
+
+@njit
+def bounds(S, kind, count):
+    """Bounding box (x0, y0, x1, y1) [m] of the first `count` particles, less the parked ones."""
+    x0 = y0 = np.inf
+    x1 = y1 = -np.inf
+    for i in range(count):
+        if kind[i] != PARKED:
+            x0 = min(x0, S[X, i])
+            x1 = max(x1, S[X, i])
+            y0 = min(y0, S[Y, i])
+            y1 = max(y1, S[Y, i])
+    return x0, y0, x1, y1
+
+
+@njit
+def park(S, kind, count, domain):
+    """Mark fluid that is outside `domain` (x0, y0, x1, y1), or nowhere, as parked; returns how many were."""
+    parked = 0
+    for i in range(count):
+        inside = domain[0] <= S[X, i] <= domain[2] and domain[1] <= S[Y, i] <= domain[3]
+        if kind[i] == FLUID and not inside:
+            kind[i] = PARKED
+            parked += 1
+    return parked
+
+
+@njit
+def count_cells(S, kind, count, x0, y0, inv_cell, nx, key, start, order):
+    """Keys, starts and sorted order of the first `count` particles; parked ones go to the end."""
+    parked_key = start.size - 2
+    start[:] = 0
+    for i in range(count):
+        if kind[i] == PARKED:
+            key[i] = parked_key
+        else:
+            cell = (int((S[Y, i] - y0) * inv_cell) + 1) * nx + int((S[X, i] - x0) * inv_cell) + 1
+            key[i] = 2 * cell + (0 if kind[i] == FLUID else 1)
+        start[key[i] + 1] += 1
+    for k in range(start.size - 1):
+        start[k + 1] += start[k]
+    for i in range(count):
+        order[start[key[i]]] = i
+        start[key[i]] += 1
+    for k in range(start.size - 1, 0, -1):
+        start[k] = start[k - 1]
+    start[0] = 0
+
+
+@parallel_njit
+def permute(S, kind, ids, order, count, S2, kind2, ids2):
+    """Copy the first `count` particles into sorted order, the others as they are."""
+    n = kind.size
+    for block in numba.prange((n + BLOCK - 1) // BLOCK):
+        lo = block * BLOCK
+        hi = min(lo + BLOCK, n)
+        for row in range(S.shape[0]):
+            for k in range(lo, hi):
+                S2[row, k] = S[row, order[k] if k < count else k]
+        for k in range(lo, hi):
+            source = order[k] if k < count else k
+            kind2[k] = kind[source]
+            ids2[k] = ids[source]
+
+
+@njit
+def share_cells(start, nx, edges):
+    """Cut the cells into chunks of like work, in place in `edges`; returns the most candidates of any cell."""
+    cells = (start.size - 2) // 2
+    ghost_weight = 0.3  # work of a ghost over that of a fluid particle
+    total = 0.0
+    most = 0
+    for c in range(nx + 1, cells - nx - 1):
+        fluid = start[2 * c + 1] - start[2 * c]
+        total += fluid + ghost_weight * (start[2 * c + 2] - start[2 * c + 1])
+        if start[2 * c + 2] > start[2 * c]:
+            candidates = 0
+            for row in range(-1, 2):
+                candidates += start[2 * (c + row * nx) + 4] - start[2 * (c + row * nx) - 2]
+            most = max(most, candidates)
+    chunks = edges.size - 1
+    edges[0] = nx + 1
+    chunk = 1
+    done = 0.0
+    for c in range(nx + 1, cells - nx - 1):
+        while chunk < chunks and done >= total * chunk / chunks:
+            edges[chunk] = c
+            chunk += 1
+        fluid = start[2 * c + 1] - start[2 * c]
+        done += fluid + ghost_weight * (start[2 * c + 2] - start[2 * c + 1])
+    for k in range(chunk, chunks + 1):
+        edges[k] = cells - nx - 1
+    return most
+
+
+@njit
+def gather(S, rows, start, nx, cell, buffer):
+    """Copy `rows` of all candidates of `cell` into `buffer`, padded; returns the padded number."""
+    n = 0
+    for row in range(-1, 2):
+        lo = start[2 * (cell + row * nx) - 2]
+        hi = start[2 * (cell + row * nx) + 4]
+        for f in range(len(rows)):
+            source = S[rows[f]]
+            target = buffer[f]
+            for k in range(hi - lo):
+                target[n + k] = source[lo + k]
+        n += hi - lo
+    return pad(len(rows), n, buffer)
+
+
+@njit
+def gather_fluid(S, rows, start, nx, cell, buffer):
+    """Copy `rows` of the fluid candidates of `cell` into `buffer`, padded; returns the padded number."""
+    n = 0
+    for row in range(-1, 2):
+        for column in range(-1, 2):
+            c = cell + row * nx + column
+            lo = start[2 * c]
+            hi = start[2 * c + 1]
+            for f in range(len(rows)):
+                for k in range(hi - lo):
+                    buffer[f, n + k] = S[rows[f], lo + k]
+            n += hi - lo
+    if n == 0:
+        return 0
+    return pad(len(rows), n, buffer)
+
+
+@njit
+def pad(fields, n, buffer):
+    """Fill up to a multiple of the vector width with far dummies (rows 0 and 1 are x and y); returns it."""
+    padded = (n + LANES - 1) // LANES * LANES
+    for k in range(n, padded):
+        buffer[0, k] = FAR
+        buffer[1, k] = FAR
+        for f in range(2, fields):
+            buffer[f, k] = 0.0
+    return padded

@@ -1,0 +1,107 @@
+"""Sweep two, at the end of the step: acceleration, shifting velocity and surface marks of the fluid.
+
+du/dt = −Σ m_b (p_a/ρ_a² + p_b/ρ_b² + Π_ab) ∇W + viscous + g + (d·∇)u.
+
+The transport term is (d·∇)u with ∇u = Σ V_b (u_b − u_a) ⊗ ∇W over the fluid: exact for linear fields as far as the
+kernel sum is, and blind to a uniform velocity, which the printed A = ρ u ⊗ d form is not on disordered particles.
+Sums for shifting and for the surface: ∇C = Σ V_b [1 + 0.2 (W/W(dx))⁴] ∇W and ∇·r = −Σ V_b r² F.
+"""
+
+from __future__ import annotations
+
+from functools import cache
+
+import numba
+
+from fluid_solver.cells import gather
+from fluid_solver.fields import AX, AY, FRICTION, GX, GY, NEW_NX, NEW_NY, NX, NY, PR2, SX, SY, VOL, M, U, V, X, Y
+from fluid_solver.shifting import shift_velocity
+from fluid_solver.surface import surface_normal
+from fluid_solver.terms import (
+    artificial_viscosity,
+    laminar_viscosity,
+    mean_specific_mass,
+    pressure_force,
+    shifting_weight,
+)
+from shared.jit import inline_njit, parallel_njit
+from shared.kernels import kernel_f, kernel_w
+
+_ROWS_INVISCID = (X, Y, U, V, M, VOL, PR2, FRICTION)
+_ROWS_VISCOUS = (*_ROWS_INVISCID, GX, GY)
+_ROWS_SHIFTING = (*_ROWS_VISCOUS, NX, NY)
+
+
+def force_rows(viscous: bool, shifting: bool) -> tuple[int, ...]:
+    """Rows of the state that the sweep reads of a neighbour, in the buffer's order."""
+    return _ROWS_SHIFTING if shifting else (_ROWS_VISCOUS if viscous else _ROWS_INVISCID)
+
+
+@inline_njit
+def pair_force(viscous, rx, ry, ux, uy, gux, guy, m_b, vol_b, pr2_b, friction, pr2_a, inv_rho_a, F, c):
+    """Acceleration (x, y) [m/s²] that b adds to a. Times m_a it is antisymmetric in a and b, to rounding."""
+    g_b = friction * mean_specific_mass(m_b, vol_b, inv_rho_a)
+    along = pressure_force(m_b, pr2_a, pr2_b)
+    along += artificial_viscosity(g_b, rx, ry, ux, uy, rx * rx + ry * ry, c.h, c.alpha * c.h * c.c0)
+    across = laminar_viscosity(g_b, c.nu, F) if viscous else 0.0
+    return along * F * rx + across * gux, along * F * ry + across * guy
+
+
+@cache
+def make_forces(kernel: int, viscous: bool, shifting: bool):
+    """The compiled sweep for a kernel code; `shifting`: with (d·∇)u, shifting velocity and surface marks (ctvf)."""
+    rows = force_rows(viscous, shifting)
+
+    @parallel_njit
+    def forces(S, start, nx, edges, buffers, c, u_max, R):
+        """Writes S[AX], S[AY] of the fluid; if shifting also S[SX], S[SY] and the new normals in R."""
+        inv_w_dx = 1.0 / c.w_dx
+        for chunk in numba.prange(edges.size - 1):
+            b = buffers[chunk]
+            for cell in range(edges[chunk], edges[chunk + 1]):
+                if start[2 * cell] == start[2 * cell + 1]:
+                    continue
+                n = gather(S, rows, start, nx, cell, b)
+                for a in range(start[2 * cell], start[2 * cell + 1]):
+                    xa, ya, ua, va = S[X, a], S[Y, a], S[U, a], S[V, a]
+                    pr2_a, inv_rho_a = S[PR2, a], S[VOL, a] / S[M, a]
+                    ax = ay = cx = cy = div_r = near_x = near_y = 0.0
+                    u_x = u_y = v_x = v_y = 0.0
+                    for k in range(n):
+                        rx = xa - b[0, k]
+                        ry = ya - b[1, k]
+                        r2 = rx * rx + ry * ry
+                        F = kernel_f(kernel, r2, c.h)
+                        gux = guy = 0.0
+                        if viscous or shifting:
+                            gux = ua - b[8, k]
+                            guy = va - b[9, k]
+                        fx, fy = pair_force(
+                            viscous, rx, ry, ua - b[2, k], va - b[3, k], gux, guy,
+                            b[4, k], b[5, k], b[6, k], b[7, k], pr2_a, inv_rho_a, F, c,
+                        )  # fmt: skip
+                        ax += fx
+                        ay += fy
+                        if shifting:
+                            vol_f = b[5, k] * F
+                            u_x -= vol_f * gux * rx
+                            u_y -= vol_f * gux * ry
+                            v_x -= vol_f * guy * rx
+                            v_y -= vol_f * guy * ry
+                            div_r -= vol_f * r2
+                            w = kernel_w(kernel, r2, c.h)
+                            weight = shifting_weight(b[5, k], w, inv_w_dx, F)
+                            cx += weight * rx
+                            cy += weight * ry
+                            near_x += w * b[10, k]
+                            near_y += w * b[11, k]
+                    S[AX, a] = ax + c.gx
+                    S[AY, a] = ay + c.gy
+                    if shifting:
+                        dx, dy = shift_velocity(cx, cy, near_x, near_y, div_r, c.h, u_max)
+                        S[AX, a] += dx * u_x + dy * u_y
+                        S[AY, a] += dx * v_x + dy * v_y
+                        S[SX, a], S[SY, a] = dx, dy
+                        R[NEW_NX, a], R[NEW_NY, a] = surface_normal(cx, cy, div_r)
+
+    return forces

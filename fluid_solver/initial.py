@@ -1,0 +1,138 @@
+"""The initial state: sound speed, fluid bodies as settled columns, ghosts of walls and structures.
+
+Settled column: under gravity a compressible column of nominal depth D carries p = ρ0 g D exactly, at ρ = ρ0 + p/c²,
+and stands lower, at depth d = (c²/g) ln(1 + g D/c²) below its own settled top; mass and bottom stay.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+
+from fluid_solver.fields import FREE_SLIP, NO_SLIP, STRUCTURE
+from fluid_solver.motion import largest_speed
+from shared.contract import BadInput
+from shared.geometry import contains, distance_to, fill, ghosts, outline, wall_particles
+from shared.schema import Body, Scene
+
+MACH = 0.1  # largest expected speed over the automatic sound speed: density varies by 1 %
+OWNED = 0.25  # of dx: wall particles this close to a solid body are the body's
+
+
+@dataclass(frozen=True)
+class FluidParticles:
+    """Fluid at t = 0: position, velocity (n, 2), pressure, density, mass, body index (n,)."""
+
+    position: np.ndarray
+    velocity: np.ndarray
+    pressure: np.ndarray
+    density: np.ndarray
+    mass: np.ndarray
+    body: np.ndarray
+
+
+@dataclass(frozen=True)
+class Ghosts:
+    """Walls, then structures: position (n, 2), volume, kind (n,), and owner (n,): index of the wall or of the body."""
+
+    position: np.ndarray
+    volume: np.ndarray
+    kind: np.ndarray
+    owner: np.ndarray
+
+    @property
+    def walls(self) -> int:
+        """Number of wall particles, which come first."""
+        return int(np.count_nonzero(self.kind != STRUCTURE))
+
+
+def sound_speed(scene: Scene) -> float:
+    """The scene's sound speed [m/s]; "auto": ten times the largest speed expected."""
+    fluid = scene.fluid
+    if fluid.sound_speed != "auto":
+        return fluid.sound_speed
+    g = math.hypot(*scene.gravity)
+    points = np.concatenate([outline(body).reshape(-1, 2) for body in fluid.bodies])
+    height = np.ptp(points @ np.asarray(scene.gravity)) / g if g > 0.0 else 0.0
+    start = max(math.hypot(*body.velocity) for body in fluid.bodies)
+    walls = max((largest_speed(wall.motion) for wall in scene.walls if wall.motion), default=0.0)
+    speed = max(math.sqrt(2.0 * g * height + start * start), walls)
+    if speed == 0.0:
+        raise BadInput(
+            'fluid.sound_speed = "auto" needs an expected speed, but the scene has no gravity, no initial velocity '
+            "and no moving wall: give fluid.sound_speed in m/s, ten times the largest speed you expect."
+        )
+    return speed / MACH
+
+
+def fluid_particles(scene: Scene, c0: float) -> FluidParticles:
+    """All fluid bodies at t = 0."""
+    fluid = scene.fluid
+    parts = []
+    for index, body in enumerate(fluid.bodies):
+        lattice = fill(body, fluid.dx)
+        n = len(lattice.position)
+        if n == 0:
+            raise BadInput(
+                f"fluid body {body.name!r} holds no particle at fluid.dx = {fluid.dx:g} m: make dx smaller than the body."
+            )
+        position, pressure = lattice.position, np.zeros(n)
+        if fluid.initial_pressure == "hydrostatic":
+            position, pressure = settle(body, position, np.asarray(scene.gravity), c0, fluid.density)
+        parts.append(
+            (
+                position,
+                np.tile(body.velocity, (n, 1)).astype(float),
+                pressure,
+                fluid.density + pressure / c0**2,
+                fluid.density * lattice.volume,
+                np.full(n, index),
+            )
+        )
+    return FluidParticles(*(np.concatenate(column) for column in zip(*parts, strict=True)))
+
+
+def settle(body: Body, position: np.ndarray, gravity: np.ndarray, c0: float, rho0: float):
+    """Positions (n, 2) and pressures (n,) of the body's particles as a column settled under `gravity`."""
+    g = math.hypot(*gravity)
+    if g == 0.0:
+        return position, np.zeros(len(position))
+    up = -gravity / g
+    heights = outline(body).reshape(-1, 2) @ up
+    depth = heights.max() - position @ up
+
+    def settled(D):
+        return c0**2 / g * np.log1p(g * D / c0**2)
+
+    lowest = np.ptp(heights)
+    lift = (settled(lowest) - settled(depth)) - (lowest - depth)
+    return position + lift[:, None] * up, rho0 * g * depth
+
+
+def lay_ghosts(scene: Scene, support: float) -> Ghosts:
+    """Ghost layers of all walls and of all solid bodies, at the fluid's dx; where both lie the body owns."""
+    dx = scene.fluid.dx
+    bodies = scene.solid.bodies if scene.solid else []
+    parts = []
+    for index, wall in enumerate(scene.walls):
+        layers = wall_particles(wall, dx, support)
+        keep = np.ones(len(layers.position), dtype=bool)
+        for body in bodies:
+            keep &= ~contains(body, layers.position)
+            keep &= distance_to(outline(body), layers.position) >= OWNED * dx
+        kind = FREE_SLIP if wall.slip == "free" else NO_SLIP
+        parts.append(_part(layers.position[keep], layers.volume[keep], kind, index))
+    for index, body in enumerate(bodies):
+        dry = [clamp.face for clamp in scene.solid.clamps if clamp.body == body.name]
+        inside = ghosts(body, dx, support, dry)
+        parts.append(_part(inside.position, inside.volume, STRUCTURE, index))
+    if not parts:
+        return Ghosts(*_part(np.empty((0, 2)), np.empty(0), STRUCTURE, 0))
+    return Ghosts(*(np.concatenate(column) for column in zip(*parts, strict=True)))
+
+
+def _part(position, volume, kind, owner):
+    n = len(position)
+    return position, volume, np.full(n, kind, dtype=np.int8), np.full(n, owner)

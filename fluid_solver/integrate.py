@@ -1,0 +1,104 @@
+"""The elementwise parts of a step: kicks and drifts of the fluid. Each returns or leaves per-block results."""
+
+from __future__ import annotations
+
+import math
+
+import numba
+import numpy as np
+
+from fluid_solver.cells import BLOCK
+from fluid_solver.fields import (
+    AX,
+    AY,
+    DP,
+    DRHO,
+    FLUID,
+    GX,
+    GY,
+    NEW_NX,
+    NEW_NY,
+    NX,
+    NY,
+    PR2,
+    RHO,
+    SX,
+    SY,
+    VOL,
+    M,
+    P,
+    U,
+    V,
+    X,
+    Y,
+)
+from shared.jit import parallel_njit
+
+
+@parallel_njit
+def kick_and_drift(S, kind, count, dt, speeds):
+    """u += a dt/2, then x += (u + δu) dt/2. Returns the largest |u| and the largest |u + δu| [m/s]."""
+    blocks = (count + BLOCK - 1) // BLOCK
+    for block in numba.prange(blocks):
+        u2 = w2 = 0.0
+        for i in range(block * BLOCK, min(block * BLOCK + BLOCK, count)):
+            if kind[i] == FLUID:
+                u = S[U, i] + 0.5 * dt * S[AX, i]
+                v = S[V, i] + 0.5 * dt * S[AY, i]
+                tu = u + S[SX, i]
+                tv = v + S[SY, i]
+                S[U, i] = u
+                S[V, i] = v
+                S[GX, i] = u
+                S[GY, i] = v
+                S[X, i] += 0.5 * dt * tu
+                S[Y, i] += 0.5 * dt * tv
+                u2 = max(u2, u * u + v * v)
+                w2 = max(w2, tu * tu + tv * tv)
+        speeds[0, block] = u2
+        speeds[1, block] = w2
+    return math.sqrt(np.max(speeds[0, :blocks])), math.sqrt(np.max(speeds[1, :blocks]))
+
+
+@parallel_njit
+def advance_and_drift(S, kind, count, dt, edac, c, R):
+    """ρ and p a full step on, p by EDAC or p = c²(ρ − ρ0); then x += (u + δu) dt/2."""
+    for block in numba.prange((count + BLOCK - 1) // BLOCK):
+        for i in range(block * BLOCK, min(block * BLOCK + BLOCK, count)):
+            if kind[i] == FLUID:
+                rho = S[RHO, i] + dt * R[DRHO, i]
+                p = S[P, i] + dt * R[DP, i] if edac else c.c0 * c.c0 * (rho - c.rho0)
+                S[RHO, i] = rho
+                S[P, i] = p
+                S[VOL, i] = S[M, i] / rho
+                S[PR2, i] = p / (rho * rho)
+                S[X, i] += 0.5 * dt * (S[U, i] + S[SX, i])
+                S[Y, i] += 0.5 * dt * (S[V, i] + S[SY, i])
+
+
+@parallel_njit
+def kick(S, kind, count, dt, shifting, R):
+    """u += a dt/2, and the surface normals of the sweep before take effect."""
+    for block in numba.prange((count + BLOCK - 1) // BLOCK):
+        for i in range(block * BLOCK, min(block * BLOCK + BLOCK, count)):
+            if kind[i] == FLUID:
+                S[U, i] += 0.5 * dt * S[AX, i]
+                S[V, i] += 0.5 * dt * S[AY, i]
+                if shifting:
+                    S[NX, i] = R[NEW_NX, i]
+                    S[NY, i] = R[NEW_NY, i]
+
+
+@parallel_njit
+def largest(S, kind, count, speeds):
+    """Largest |u| [m/s] and |a| [m/s²] of the fluid."""
+    blocks = (count + BLOCK - 1) // BLOCK
+    for block in numba.prange(blocks):
+        u2 = a2 = 0.0
+        for i in range(block * BLOCK, min(block * BLOCK + BLOCK, count)):
+            if kind[i] == FLUID:
+                u2 = max(u2, S[U, i] * S[U, i] + S[V, i] * S[V, i])
+                a2 = max(a2, S[AX, i] * S[AX, i] + S[AY, i] * S[AY, i])
+        speeds[0, block] = u2
+        speeds[1, block] = a2
+    return math.sqrt(np.max(speeds[0, :blocks])), math.sqrt(np.max(speeds[1, :blocks]))

@@ -1,0 +1,243 @@
+"""The particle fluid: models `ctvf` and `wcsph`, one stepping routine.
+
+`ctvf`: EDAC pressure, corrected transport velocity, Sun's shifting. `wcsph`: equation of state, no shifting. They
+differ by the terms that are compiled into the sweeps.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+
+import numba
+import numpy as np
+
+from fluid_solver import diagnosis
+from fluid_solver.fields import FLUID, FREE_SLIP, FRICTION, GX, GY, PR2, RHO, ROWS, VOL, M, P, U, V, X, Y
+from fluid_solver.forces import make_forces
+from fluid_solver.initial import fluid_particles, lay_ghosts, sound_speed
+from fluid_solver.integrate import advance_and_drift, kick, kick_and_drift, largest
+from fluid_solver.motion import POSE, WallMotion, place_ghosts, structure_pose
+from fluid_solver.observe import Observer
+from fluid_solver.parameters import Parameters, parameters, stable_courant
+from fluid_solver.rates import make_rates
+from fluid_solver.store import Store
+from fluid_solver.walls import make_ghosts
+from shared.contract import Description, Frame, Kinematics, Loads
+from shared.kernels import kernel_named
+from shared.schema import Scene
+
+SERIAL_BELOW = 5000  # particles; fewer run faster on one thread
+FORCE_STEP = 0.25  # of √(h/|a|)
+VISCOUS_STEP = 0.125  # of h²/ν
+
+
+class ParticleFluid:
+    """A weakly compressible fluid of particles, with walls and structures as ghosts (contract.Model)."""
+
+    role = "fluid"
+
+    def __init__(self, scene: Scene, coupled: bool, threads: int):
+        fluid = scene.fluid
+        self.scene, self._coupled = scene, coupled
+        kernel = kernel_named(fluid.kernel)
+        self.c: Parameters = parameters(scene, kernel, sound_speed(scene))
+        self._courant = stable_courant(fluid) if fluid.courant == "auto" else fluid.courant
+        self._edac = fluid.model == "ctvf"
+        viscous = fluid.viscosity > 0.0
+        self._extended = viscous or self._edac
+        self._rates = make_rates(kernel.code, self._edac)
+        self._forces = make_forces(kernel.code, viscous, self._edac)
+        self._ghost_sweep = make_ghosts(kernel.code, viscous)
+        water = fluid_particles(scene, self.c.c0)
+        self.ghosts = lay_ghosts(scene, self.c.support)
+        self.fluid_count = len(water.position)
+        self._first = self.fluid_count  # id of the first ghost
+        self._walls = self.ghosts.walls
+        self.store = Store(*_initial_state(water, self.ghosts), self.c.support, diagnosis.domain_of(scene))
+        self._threads = threads if self.particles() >= SERIAL_BELOW else 1
+        self._set_up_motion()
+        self.force = np.zeros((len(self.ghosts.position), 2))  # N/m on every ghost, at the last step's end
+        self._speed = 0.0  # largest |u| at the last half step
+        self._steps = 0
+        self._observer = Observer(scene, kernel, self.c, self.ghosts, self._first, water.body)
+
+    def _set_up_motion(self) -> None:
+        owner, rest = self.ghosts.owner[: self._walls], self.ghosts.position
+        self._moving = [
+            (np.flatnonzero(owner == k), WallMotion(wall.motion, rest[: self._walls][owner == k]))
+            for k, wall in enumerate(self.scene.walls)
+            if wall.motion
+        ]
+        self._pose = np.zeros((len(rest), POSE))
+        self._pose[:, :2] = rest
+        self._x0 = rest[self._walls :].copy()  # structure ghosts at the window's start
+        self._v0 = np.zeros_like(self._x0)
+
+    # ---- the contract ---------------------------------------------------------------------------------------------
+
+    def describe(self) -> Description:
+        """The fluid's ghosts in the structure are its interface points."""
+        structure = slice(self._walls, None)
+        return Description(
+            name="fluid",
+            role="fluid",
+            model=self.scene.fluid.model,
+            stable_step=self.stable_step(),
+            spacing=self.c.dx,
+            position=self.ghosts.position[structure],
+            volume=self.ghosts.volume[structure],
+            body=self.ghosts.owner[structure],
+            numbers={
+                "density": self.c.rho0,
+                "sound_speed": self.c.c0,
+                "support": self.c.support,
+                "h": self.c.h,
+                "particles": float(self.particles()),
+            },
+        )
+
+    def begin(self, motion: Kinematics | None) -> Loads:
+        """Ghosts in place, first sort, pressures of ghosts and accelerations at t = 0."""
+        numba.set_num_threads(self._threads)
+        if motion is not None:
+            self._x0[...], self._v0[...] = motion.position, motion.velocity
+        self._place(0.0, 0.0, 1.0, motion, always=True)
+        store = self.store
+        store.sort(0.0)
+        self._speed = largest(store.S, store.kind, store.count, store.speeds)[0]
+        self._accelerate()
+        kick(store.S, store.kind, store.count, 0.0, self._edac, store.work)
+        return self._loads(self.force[self._walls :].copy())
+
+    def stable_step(self) -> float:
+        """Least of the acoustic, viscous and force limits [s]."""
+        store, c = self.store, self.c
+        numba.set_num_threads(self._threads)
+        u, a = largest(store.S, store.kind, store.count, store.speeds)
+        step = self._courant * c.h / (c.c0 + u)
+        if c.nu > 0.0:
+            step = min(step, VISCOUS_STEP * c.h**2 / c.nu)
+        if a > 0.0:
+            step = min(step, FORCE_STEP * math.sqrt(c.h / a))
+        return step
+
+    def advance(self, t0: float, t1: float, substeps: int, boundary: Kinematics | None) -> Loads:
+        """Integrate from t0 to t1 [s] in equal steps; the ghosts of structures follow `boundary`."""
+        numba.set_num_threads(self._threads)
+        dt = (t1 - t0) / substeps
+        structure = slice(self._walls, None)
+        mean = np.zeros_like(self.force[structure])
+        for k in range(substeps):
+            mean += self.force[structure]
+            self._step(dt, t0, k * dt, t1 - t0, boundary)
+            mean += self.force[structure]
+        self._steps += substeps
+        if boundary is not None:
+            self._x0[...], self._v0[...] = boundary.position, boundary.velocity
+        return self._loads(mean * (0.5 / substeps))
+
+    def _step(self, dt: float, t0: float, since: float, length: float, boundary: Kinematics | None) -> None:
+        """One kick-drift-kick step of `dt` [s], at `since` after the start t0 of a window of `length`."""
+        store, c = self.store, self.c
+        # 1, 2  u_half = u + a dt/2;  x += (u_half + δu) dt/2;  walls and ghosts to the middle of the step
+        self._speed, drift = kick_and_drift(store.S, store.kind, store.count, dt, store.speeds)
+        self._place(t0, since + 0.5 * dt, length, boundary)
+        # 3  cells, once particles have moved too far for the present ones
+        reach = 0.5 * dt * max(drift, self._ghost_speed())
+        store.moved += reach
+        store.sort_if_moved(reach)
+        # 4, 5, 6  rates at the middle; ρ and p a full step on; x += (u_half + δu) dt/2; walls and ghosts to the end
+        self._rates(store.S, store.start, store.nx, store.edges, store.buffers, c, store.work)
+        advance_and_drift(store.S, store.kind, store.count, dt, self._edac, c, store.work)
+        self._place(t0, since + dt, length, boundary)
+        store.moved += reach
+        # 7, 8  pressures of ghosts, eq. 14; accelerations, shifting and surface at the new positions
+        self._accelerate()
+        # 9  u = u_half + a dt/2
+        kick(store.S, store.kind, store.count, dt, self._edac, store.work)
+
+    def _accelerate(self) -> None:
+        s = self.store
+        cells = s.start, s.nx, s.edges, s.buffers, self.c
+        self._ghost_sweep(s.S, s.kind, s.ids, *cells, self._first, self.force)
+        self._forces(s.S, *cells, self._speed, s.work)
+
+    def _place(self, t0, since, length, boundary, always=False) -> None:
+        """Ghosts to the pose they have `since` seconds after t0; nothing to do when all stand still."""
+        if boundary is None and not self._moving and not always:
+            return
+        for rows, motion in self._moving:
+            self._pose[rows] = motion.pose(t0 + since)
+        if boundary is not None:
+            a = boundary.acceleration_mean
+            if not self.scene.fluid.structure_acceleration:
+                a = np.zeros_like(a)
+            structure_pose(
+                since / length, length, self._x0, self._v0, boundary.position, boundary.velocity, a, self._pose[self._walls :]
+            )  # fmt: skip
+        s = self.store
+        place_ghosts(s.S, s.kind, s.ids, s.count, self._first, self._pose)
+
+    def _ghost_speed(self) -> float:
+        return math.sqrt(np.max(np.sum(self._pose[:, 2:4] ** 2, axis=1), initial=0.0))
+
+    def _loads(self, force: np.ndarray) -> Loads:
+        last = self._first + len(self.ghosts.position)
+        return Loads(self.store.in_order_of_ids([P], self._first + self._walls, last)[0], force)
+
+    # ---- state and observation --------------------------------------------------------------------------------------
+
+    def state(self) -> dict[str, np.ndarray]:
+        """Everything that the future depends on."""
+        return {
+            **self.store.state(),
+            "force": self.force,
+            "x0": self._x0,
+            "v0": self._v0,
+            "pose": self._pose,
+            "speed": np.array([self._speed]),
+        }
+
+    def restore(self, state: Mapping[str, np.ndarray]) -> None:
+        """Back to a `state`, bit for bit."""
+        self.store.restore(state)
+        for name, array in (("force", self.force), ("x0", self._x0), ("v0", self._v0), ("pose", self._pose)):
+            array[...] = state[name]
+        self._speed = float(state["speed"][0])
+
+    def check(self) -> None:
+        """Raise SolverFailed if the state is not finite or the density far off."""
+        diagnosis.check(self.store, self.c)
+
+    def probe_values(self) -> dict[str, float]:
+        """Present values of the scene's fluid probes."""
+        return self._observer.values(self.store, self.force)
+
+    def frame(self) -> Frame:
+        """All fluid particles in their first order: velocity, pressure, density."""
+        x, y, u, v, p, rho = self.store.in_order_of_ids([X, Y, U, V, P, RHO], 0, self.fluid_count)
+        return Frame(np.c_[x, y], {"velocity": np.c_[u, v], "pressure": p, "density": rho})
+
+    def particles(self) -> int:
+        """Fluid, wall and structure-ghost particles."""
+        return self.fluid_count + len(self.ghosts.position)
+
+    def steps(self) -> int:
+        """Time steps taken so far."""
+        return self._steps
+
+
+def _initial_state(water, ghosts) -> tuple[np.ndarray, np.ndarray]:
+    """State array and kinds of the fluid, then the ghosts."""
+    n = len(water.position)
+    S = np.zeros((ROWS, n + len(ghosts.position)))
+    kind = np.concatenate([np.full(n, FLUID, dtype=np.int8), ghosts.kind])
+    S[[X, Y]] = np.concatenate([water.position, ghosts.position]).T
+    S[[U, V], :n] = S[[GX, GY], :n] = water.velocity.T
+    S[P, :n], S[RHO, :n], S[M, :n] = water.pressure, water.density, water.mass
+    S[VOL, :n] = water.mass / water.density
+    S[PR2, :n] = water.pressure / water.density**2
+    S[VOL, n:] = ghosts.volume
+    S[FRICTION] = kind != FREE_SLIP
+    return S, kind

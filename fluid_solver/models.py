@@ -1,0 +1,14 @@
+"""Registry of fluid models."""
+
+from __future__ import annotations
+
+from fluid_solver.model import ParticleFluid
+from shared.contract import Model
+from shared.schema import Scene
+
+MODELS = {"ctvf": ParticleFluid, "wcsph": ParticleFluid}
+
+
+def make_model(scene: Scene, coupled: bool, threads: int) -> Model:
+    """The fluid model that the scene asks for, on `threads` threads."""
+    return MODELS[scene.fluid.model](scene, coupled, threads)

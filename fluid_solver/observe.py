@@ -1,0 +1,118 @@
+"""What is observed of the fluid: the probes of the scene."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from fluid_solver.fields import FLUID, RHO, STRUCTURE, M, P, U, V, X, Y
+from shared.jit import njit
+from shared.kernels import Kernel, kernel_w
+from shared.schema import Probe, Scene
+
+CONNECTED = 6  # fluid neighbours within the support that make a particle part of the bulk, not of the spray
+INSIDE = 0.5  # of dx: fluid nearer than this to a ghost's centre is inside a wall
+_SIDES = {"displacement-x", "displacement-y"}  # quantities of the structure's side
+
+
+class Observer:
+    """Evaluates the scene's fluid probes.
+
+    `ghosts`: owner and kind of every ghost; `first`: id of the first; `body` (fluid,): fluid body of each id.
+    """
+
+    def __init__(self, scene: Scene, kernel: Kernel, c, ghosts, first: int, body: np.ndarray):
+        self._kernel, self._c, self._ghosts, self._first, self._body = kernel.code, c, ghosts, first, body
+        self._fluids = {b.name: k for k, b in enumerate(scene.fluid.bodies)}
+        self._walls = {w.name: k for k, w in enumerate(scene.walls)}
+        self._solids = {b.name: k for k, b in enumerate(scene.solid.bodies)} if scene.solid else {}
+        self._probes = [p for p in scene.probes if self._is_mine(p)]
+
+    def _is_mine(self, probe: Probe) -> bool:
+        of_solid = probe.quantity in ("kinetic-energy", "max-speed") and probe.body in self._solids
+        return probe.quantity not in _SIDES and not of_solid
+
+    def values(self, store, force: np.ndarray) -> dict[str, float]:
+        """Present value of every fluid probe, by name. `force` (ghosts, 2) [N/m]: of the fluid on each ghost."""
+        return {probe.name: float(self._value(probe, store, force)) for probe in self._probes}
+
+    def _value(self, probe: Probe, store, force: np.ndarray) -> float:
+        S, quantity = store.S[:, : store.count], probe.quantity
+        kind = store.kind[: store.count]
+        if quantity == "pressure":
+            return pressure_at(S, kind, self._kernel, *probe.point, self._c)
+        if quantity in ("force-x", "force-y"):
+            return force[self._owned_by(probe.body), 0 if quantity == "force-x" else 1].sum()
+        if quantity == "leaked":
+            reach = INSIDE * self._c.dx
+            return store.parked + inside_walls(S, store.start, store.nx, reach)
+        chosen = kind == FLUID
+        if probe.body is not None:
+            chosen[chosen] = self._body[store.ids[: store.count][chosen]] == self._fluids[probe.body]
+        if not chosen.any():
+            return 0.0
+        if quantity == "max-speed":
+            return np.hypot(S[U, chosen], S[V, chosen]).max()
+        if quantity == "kinetic-energy":
+            return 0.5 * np.sum(S[M, chosen] * (S[U, chosen] ** 2 + S[V, chosen] ** 2))
+        axis = X if quantity == "front-x" else Y
+        return self._front(S, chosen, axis)
+
+    def _front(self, S: np.ndarray, chosen: np.ndarray, axis: int) -> float:
+        """Largest coordinate of connected fluid, at the face of its last particle [m]."""
+        x, y = np.ascontiguousarray(S[X, chosen]), np.ascontiguousarray(S[Y, chosen])
+        order = np.argsort(-S[axis, chosen], kind="stable")
+        at = order[first_connected(x, y, order, self._c.support)]
+        return (x, y)[axis][at] + 0.5 * self._c.dx
+
+    def _owned_by(self, name: str) -> np.ndarray:
+        structure = self._ghosts.kind == STRUCTURE
+        if name in self._solids:
+            return structure & (self._ghosts.owner == self._solids[name])
+        return ~structure & (self._ghosts.owner == self._walls[name])
+
+
+@njit
+def pressure_at(S, kind, kernel, x, y, c):
+    """Pressure [Pa] at (x, y): eq. 14 at a point that stands still, exact for linear fields; 0 without fluid."""
+    total = p = 0.0
+    for b in range(kind.size):
+        if kind[b] == FLUID:
+            rx = x - S[X, b]
+            ry = y - S[Y, b]
+            r2 = rx * rx + ry * ry
+            if r2 < c.support * c.support:
+                w = kernel_w(kernel, r2, c.h)
+                total += w
+                p += w * (S[P, b] + S[RHO, b] * (c.gx * rx + c.gy * ry))
+    return p / total if total > 0.0 else 0.0
+
+
+@njit
+def first_connected(x, y, order, reach):
+    """Position in `order` of the first particle with enough neighbours within `reach` [m]; 0 if none has."""
+    for k in range(order.size):
+        xa, ya = x[order[k]], y[order[k]]
+        neighbours = -1  # itself
+        for b in range(x.size):
+            if (xa - x[b]) ** 2 + (ya - y[b]) ** 2 < reach * reach:
+                neighbours += 1
+        if neighbours >= CONNECTED:
+            return k
+    return 0
+
+
+@njit
+def inside_walls(S, start, nx, reach):
+    """Number of fluid particles nearer than `reach` [m] to a ghost."""
+    found = 0
+    for cell in range(nx + 1, start.size // 2 - 1 - nx - 1):
+        for a in range(start[2 * cell], start[2 * cell + 1]):
+            nearest = np.inf
+            for row in range(-1, 2):
+                for column in range(-1, 2):
+                    other = cell + row * nx + column
+                    for b in range(start[2 * other + 1], start[2 * other + 2]):
+                        nearest = min(nearest, (S[X, a] - S[X, b]) ** 2 + (S[Y, a] - S[Y, b]) ** 2)
+            if nearest < reach * reach:
+                found += 1
+    return found

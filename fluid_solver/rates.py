@@ -1,0 +1,54 @@
+"""Sweep one, at the middle of the step: rates of density and, with EDAC, of pressure.
+
+dρ/dt = ρ_a Σ V_b u_ab·∇W + (transport of ρ);  dp/dt = ρ_a c² Σ V_b u_ab·∇W + (transport of p) + diffusion.
+"""
+
+from __future__ import annotations
+
+from functools import cache
+
+import numba
+
+from fluid_solver.cells import gather
+from fluid_solver.fields import DP, DRHO, RHO, SX, SY, VOL, P, U, V, X, Y
+from fluid_solver.terms import pressure_diffusion, transport, velocity_divergence
+from shared.jit import parallel_njit
+from shared.kernels import kernel_f
+
+_ROWS = (X, Y, U, V, VOL)
+_ROWS_TRANSPORT = (*_ROWS, SX, SY, RHO, P)
+
+
+@cache
+def make_rates(kernel: int, transported: bool):
+    """The compiled sweep for a kernel code; `transported`: EDAC pressure and transport terms (ctvf)."""
+    rows = _ROWS_TRANSPORT if transported else _ROWS
+
+    @parallel_njit
+    def rates(S, start, nx, edges, buffers, c, R):
+        """Writes R[DRHO] [kg/(m³ s)] and, if transported, R[DP] [Pa/s] of the fluid."""
+        rho_gx = c.rho0 * c.gx
+        rho_gy = c.rho0 * c.gy
+        for chunk in numba.prange(edges.size - 1):
+            b = buffers[chunk]
+            for cell in range(edges[chunk], edges[chunk + 1]):
+                if start[2 * cell] == start[2 * cell + 1]:
+                    continue
+                n = gather(S, rows, start, nx, cell, b)
+                for a in range(start[2 * cell], start[2 * cell + 1]):
+                    xa, ya, ua, va, rho_a, p_a = S[X, a], S[Y, a], S[U, a], S[V, a], S[RHO, a], S[P, a]
+                    div = rho_transport = p_rate = 0.0
+                    for k in range(n):
+                        rx = xa - b[0, k]
+                        ry = ya - b[1, k]
+                        F = kernel_f(kernel, rx * rx + ry * ry, c.h)
+                        div += velocity_divergence(b[4, k], rx, ry, ua - b[2, k], va - b[3, k], F)
+                        if transported:
+                            p_ab = p_a - b[8, k]
+                            rho_transport += transport(b[4, k], rho_a - b[7, k], rx, ry, b[5, k], b[6, k], F)
+                            p_rate += transport(b[4, k], p_ab, rx, ry, b[5, k], b[6, k], F)
+                            p_rate += pressure_diffusion(b[4, k], p_ab, rx, ry, rho_gx, rho_gy, c.nu_edac, F)
+                    R[DRHO, a] = rho_a * div + rho_transport
+                    R[DP, a] = rho_a * c.c0 * c.c0 * div + p_rate
+
+    return rates

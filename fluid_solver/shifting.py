@@ -1,0 +1,34 @@
+"""Shifting velocity of the fluid: Sun et al. (2019), δu = −M 2h c0 ∇C with M = u_max/c0."""
+
+from __future__ import annotations
+
+import math
+
+from fluid_solver.surface import ISOLATED
+from shared.jit import njit
+
+LARGEST = 0.5  # of u_max: limit of |δu| (Sun et al. 2019)
+
+
+@njit
+def shift_velocity(cx, cy, near_x, near_y, div_r, h, u_max):
+    """δu [m/s] from ∇C = (cx, cy) [1/m].
+
+    `near`: kernel sum of the surface normals in reach, zero away from the surface; there the part of δu along it,
+    outward, is taken off, or the surface would creep out. Particles in splashes are not shifted.
+    """
+    if div_r < ISOLATED:
+        return 0.0, 0.0
+    dx = -2.0 * h * u_max * cx
+    dy = -2.0 * h * u_max * cy
+    near2 = near_x * near_x + near_y * near_y
+    if near2 > 0.0:
+        outward = max(0.0, dx * near_x + dy * near_y) / near2
+        dx -= outward * near_x
+        dy -= outward * near_y
+    limit = LARGEST * u_max
+    size = math.sqrt(dx * dx + dy * dy)
+    if size > limit:
+        dx *= limit / size
+        dy *= limit / size
+    return dx, dy

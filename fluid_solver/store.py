@@ -1,0 +1,112 @@
+"""The particles of a fluid run in memory: state array, order, cells and buffers."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+import numpy as np
+
+from fluid_solver.cells import (
+    BLOCK,
+    CHUNKS,
+    LANES,
+    MAX_CELLS,
+    bounds,
+    count_cells,
+    park,
+    permute,
+    share_cells,
+)
+from fluid_solver.fields import WORK_ROWS
+from shared.contract import SolverFailed
+
+BUFFER_ROWS = 12  # the widest sweep's rows
+_SKIN = 0.05  # of the support: cells may stay as they are while particles move half of it
+_CROWDED = 1.25  # room in a buffer over the candidates met
+
+
+class Store:
+    """State `S` (ROWS, n), `kind` and `ids` (n,) in cell order; the first `count` take part, parked ones follow.
+
+    `start`, `nx`: the cells (see cells.py); `edges`: chunks of cells; `buffers`: one per chunk; `work`: results of a
+    sweep; `speeds`: per-block maxima. `moved` [m]: a bound of the displacement since the last sort.
+    """
+
+    def __init__(self, S: np.ndarray, kind: np.ndarray, support: float, domain: np.ndarray):
+        n = S.shape[1]
+        self.S, self.kind, self.ids = S, kind.astype(np.int8), np.arange(n)
+        self._spare = np.empty_like(S), np.empty_like(self.kind), np.empty_like(self.ids)
+        self._key, self._order = np.empty(n, dtype=np.int64), np.empty(n, dtype=np.int64)
+        self._cells = np.zeros(2, dtype=np.int64)
+        self._support, self._domain = support, domain
+        self.work = np.zeros((WORK_ROWS, n))
+        self.speeds = np.empty((2, n // BLOCK + 1))
+        self.edges = np.zeros(CHUNKS + 1, dtype=np.int64)
+        self.buffers = np.empty((CHUNKS, BUFFER_ROWS, LANES))
+        self.start, self.nx, self.count, self.parked = self._cells, 0, n, 0
+        self.moved = self._skin = 0.0
+
+    def sort_if_moved(self, ahead: float) -> None:
+        """Sort unless the cells hold for a further displacement `ahead` [m] of every particle."""
+        if self.nx == 0 or 2.0 * (self.moved + ahead) > self._skin:
+            self.sort(ahead)
+
+    def sort(self, ahead: float) -> None:
+        """Sort all particles by cell; takes those out of the domain out of all loops."""
+        S, kind, count = self.S, self.kind, self.count
+        self.parked += park(S, kind, count, self._domain)
+        self._skin = max(_SKIN * self._support, 2.0 * ahead)
+        inv_cell = 1.0 / (self._support + self._skin)
+        x0, y0, x1, y1 = bounds(S, kind, count)
+        nx, ny = (x1 - x0) * inv_cell + 3.0, (y1 - y0) * inv_cell + 3.0
+        if not nx * ny < MAX_CELLS:
+            raise SolverFailed(
+                f"the particles spread from ({x0:.4g}, {y0:.4g}) to ({x1:.4g}, {y1:.4g}) m, too far for cells of "
+                f"{1.0 / inv_cell:.3g} m: a body or wall has run away, or dx is too small for the scene"
+            )
+        self.nx = int(nx)
+        size = 2 * self.nx * int(ny) + 2
+        if size > self._cells.size:
+            self._cells = np.empty(int(_CROWDED * size), dtype=np.int64)
+        self.start = self._cells[:size]
+        count_cells(S, kind, count, x0, y0, inv_cell, self.nx, self._key, self.start, self._order)
+        S2, kind2, ids2 = self._spare
+        permute(S, kind, self.ids, self._order, count, S2, kind2, ids2)
+        self._spare = S, kind, self.ids
+        self.S, self.kind, self.ids = S2, kind2, ids2
+        self.count = int(self.start[-2])
+        self.moved = 0.0
+        self._share()
+
+    def _share(self) -> None:
+        most = share_cells(self.start, self.nx, self.edges)
+        if most + LANES > self.buffers.shape[2]:
+            room = int(_CROWDED * most / LANES + 2) * LANES
+            self.buffers = np.empty((CHUNKS, BUFFER_ROWS, room))
+
+    def in_order_of_ids(self, rows, first: int, last: int) -> np.ndarray:
+        """Rows of the state, (len(rows), last − first), of the particles with ids in [first, last), by id."""
+        chosen = (self.ids >= first) & (self.ids < last)
+        out = np.empty((len(rows), last - first))
+        out[:, self.ids[chosen] - first] = self.S[np.ix_(rows, np.flatnonzero(chosen))]
+        return out
+
+    def state(self) -> dict[str, np.ndarray]:
+        """Everything that the future depends on."""
+        return {
+            "S": self.S,
+            "kind": self.kind,
+            "ids": self.ids,
+            "start": self.start,
+            "cells": np.array([self.nx, self.count, self.parked]),
+            "skin": np.array([self.moved, self._skin]),
+        }
+
+    def restore(self, state: Mapping[str, np.ndarray]) -> None:
+        """Back to a `state`, bit for bit."""
+        self.S[...], self.kind[...], self.ids[...] = state["S"], state["kind"], state["ids"]
+        self._cells = np.array(state["start"])
+        self.start = self._cells
+        self.nx, self.count, self.parked = (int(k) for k in state["cells"])
+        self.moved, self._skin = (float(k) for k in state["skin"])
+        self._share()

@@ -1,0 +1,72 @@
+"""The pair terms of the fluid equations, one function each.
+
+`f_ab = f_a − f_b`, `V_b = m_b/ρ_b`, `F = (1/r) dW/dr`, `∇W = F r_ab`, `d = ũ − u`. Equations: Adepu & Ramachandran
+(CTVF), with the slips of the printed form mended. Every function returns what one neighbour b adds.
+"""
+
+from __future__ import annotations
+
+from shared.jit import inline_njit
+
+EPS = 0.01  # of h²: keeps 1/(r² + EPS h²) finite
+
+
+@inline_njit
+def velocity_divergence(vol_b, rx, ry, ux, uy, F):
+    """V_b u_ab·∇W: minus the divergence of u [1/s]. dρ/dt = ρ_a Σ of it, and dp/dt of EDAC = ρ_a c² Σ of it."""
+    return vol_b * F * (ux * rx + uy * ry)
+
+
+@inline_njit
+def transport(vol_b, f_ab, rx, ry, dx_b, dy_b, F):
+    """−V_b f_ab d_b·∇W = d·∇f: the particle moves with ũ, not u.
+
+    Sum of the printed terms of continuity, ρ_a d_ab − (ρd)_ab, and of EDAC, p_a d_ab − (pd)_ab, rearranged: it does
+    not see a constant added to f.
+    """
+    return -vol_b * f_ab * F * (dx_b * rx + dy_b * ry)
+
+
+@inline_njit
+def pressure_diffusion(vol_b, p_ab, rx, ry, rho_gx, rho_gy, nu_edac, F):
+    """2 ν_e V_b p'_ab F with p' = p − ρ0 g·r: EDAC's diffusion [Pa/s] of p less its hydrostatic part.
+
+    Printed with 4 m_b/(ρ_a + ρ_b), which is 2 V_b to within the compression (1 %). The hydrostatic part, truncated at
+    a free surface, would drift a still column.
+    """
+    return 2.0 * nu_edac * vol_b * (p_ab - rho_gx * rx - rho_gy * ry) * F
+
+
+@inline_njit
+def pressure_force(m_b, pr2_a, pr2_b):
+    """−m_b (p_a/ρ_a² + p_b/ρ_b²), to be multiplied by ∇W [m/s²]."""
+    return -m_b * (pr2_a + pr2_b)
+
+
+@inline_njit
+def mean_specific_mass(m_b, vol_b, inv_rho_a):
+    """m_b/ρ̄ with 1/ρ̄ = (1/ρ_a + 1/ρ_b)/2: symmetric in a and b once multiplied by m_a [m²]."""
+    return 0.5 * (m_b * inv_rho_a + vol_b)
+
+
+@inline_njit
+def artificial_viscosity(g_b, rx, ry, ux, uy, r2, h, alpha_h_c):
+    """−m_b Π_ab = α h c φ m_b/ρ̄ of approaching pairs, φ = u_ab·r_ab/(r² + EPS), to be multiplied by ∇W.
+
+    Monaghan (1992), with the sign that makes Π positive on approach, adding to the pressure.
+    """
+    return g_b * alpha_h_c * min(0.0, ux * rx + uy * ry) / (r2 + EPS * h * h)
+
+
+@inline_njit
+def laminar_viscosity(g_b, nu, F):
+    """2 ν F m_b/ρ̄, to be multiplied by u_ab [m/s²]. Morris et al. (1997), F in place of r·∇W/(r² + EPS)."""
+    return 2.0 * nu * g_b * F
+
+
+@inline_njit
+def shifting_weight(vol_b, w, inv_w_dx, F):
+    """V_b [1 + 0.2 (W/W(dx))⁴] F, to be multiplied by r_ab: Sun et al. (2019), against pairing."""
+    s = w * inv_w_dx
+    s2 = s * s
+    return vol_b * (1.0 + 0.2 * s2 * s2) * F

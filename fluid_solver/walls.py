@@ -1,0 +1,109 @@
+"""Ghost particles: what walls and structures show to the fluid, and what the fluid does to them.
+
+Pressure by eq. 14, p_s = [Σ p_f W + (g − a_s)·Σ ρ_f r_sf W] / Σ W, exact for a linear pressure. The ghost's density
+follows from it by the equation of state while its volume stays the lattice's, so that its hydrodynamic mass is
+ρ_s V_s: with ρ_f V_s instead, constant pressure on compressed water would push at walls.
+
+The force on a ghost is the sum of the same pair force that the fluid feels, from the ghost's side.
+"""
+
+from __future__ import annotations
+
+from functools import cache
+
+import numba
+
+from fluid_solver.cells import gather_fluid
+from fluid_solver.fields import (
+    AX,
+    AY,
+    FREE_SLIP,
+    FRICTION,
+    GX,
+    GY,
+    PR2,
+    RHO,
+    VOL,
+    M,
+    P,
+    U,
+    V,
+    X,
+    Y,
+)
+from fluid_solver.forces import pair_force
+from shared.jit import njit, parallel_njit
+from shared.kernels import kernel_f, kernel_w
+
+_ROWS = (X, Y, U, V, M, VOL, PR2, P, RHO)
+_LEAST_WEIGHT = 1.0e-6  # Σ V W below which a ghost sees no fluid
+
+
+@cache
+def make_ghosts(kernel: int, viscous: bool):
+    """The compiled sweep over ghosts for a kernel code."""
+
+    @parallel_njit
+    def ghosts(S, kind, ids, start, nx, edges, buffers, c, first, force):
+        """Sets pressure, density, mass and extended velocity of the ghosts, and their `force` (ghosts, 2) [N/m].
+
+        A ghost's place in `force` is its id less `first`.
+        """
+        for chunk in numba.prange(edges.size - 1):
+            b = buffers[chunk]
+            for cell in range(edges[chunk], edges[chunk + 1]):
+                if start[2 * cell + 1] == start[2 * cell + 2]:
+                    continue
+                n = gather_fluid(S, _ROWS, start, nx, cell, b)
+                for a in range(start[2 * cell + 1], start[2 * cell + 2]):
+                    extrapolate(S, kind, kernel, a, n, b, c)
+                    fx = fy = 0.0
+                    xa, ya, ua, va, gxa, gya = S[X, a], S[Y, a], S[U, a], S[V, a], S[GX, a], S[GY, a]
+                    pr2_a, inv_rho_a, friction = S[PR2, a], S[VOL, a] / S[M, a], S[FRICTION, a]
+                    for k in range(n):
+                        rx = xa - b[0, k]
+                        ry = ya - b[1, k]
+                        F = kernel_f(kernel, rx * rx + ry * ry, c.h)
+                        px, py = pair_force(
+                            viscous, rx, ry, ua - b[2, k], va - b[3, k], gxa - b[2, k], gya - b[3, k],
+                            b[4, k], b[5, k], b[6, k], friction, pr2_a, inv_rho_a, F, c,
+                        )  # fmt: skip
+                        fx += px
+                        fy += py
+                    force[ids[a] - first, 0] = S[M, a] * fx
+                    force[ids[a] - first, 1] = S[M, a] * fy
+
+    return ghosts
+
+
+@njit
+def extrapolate(S, kind, kernel, a, n, b, c):
+    """Eq. 14 for ghost `a` from the `n` fluid candidates in `b`; and the fluid's velocity extended to it."""
+    total = p_sum = x_sum = y_sum = u_sum = v_sum = 0.0
+    xa, ya = S[X, a], S[Y, a]
+    for k in range(n):
+        rx = xa - b[0, k]
+        ry = ya - b[1, k]
+        w = kernel_w(kernel, rx * rx + ry * ry, c.h)
+        total += w
+        p_sum += b[7, k] * w
+        x_sum += b[8, k] * rx * w
+        y_sum += b[8, k] * ry * w
+        u_sum += b[2, k] * w
+        v_sum += b[3, k] * w
+    p = 0.0
+    S[GX, a] = S[U, a]
+    S[GY, a] = S[V, a]
+    if total * S[VOL, a] > _LEAST_WEIGHT:
+        p = (p_sum + (c.gx - S[AX, a]) * x_sum + (c.gy - S[AY, a]) * y_sum) / total
+        if kind[a] == FREE_SLIP:
+            S[GX, a] = u_sum / total
+            S[GY, a] = v_sum / total
+        else:  # the fluid sticks: Adami et al. (2012)
+            S[GX, a] = 2.0 * S[U, a] - u_sum / total
+            S[GY, a] = 2.0 * S[V, a] - v_sum / total
+    rho = c.rho0 + p / (c.c0 * c.c0)
+    S[P, a] = p
+    S[RHO, a] = rho
+    S[M, a] = rho * S[VOL, a]
+    S[PR2, a] = p / (rho * rho)
