@@ -6,6 +6,7 @@ messages and the checks are made from it. All quantities SI, two dimensions, pla
 
 from __future__ import annotations
 
+import itertools
 from typing import Annotated, Any, Literal
 
 from pydantic import BaseModel, ConfigDict, Field, field_validator, model_validator
@@ -136,6 +137,19 @@ class Wall(Table):
         "free", about="free: no friction; no: the fluid sticks to the wall (needs viscosity)"
     )
     motion: Motion | None = key(None, about="prescribed motion; absent: fixed")
+
+    @field_validator("polyline")
+    @classmethod
+    def _polyline_moves_on(cls, corners):
+        if any(a == b for a, b in itertools.pairwise(corners)):
+            raise ValueError("has the same corner twice in a row")
+        return corners
+
+    @model_validator(mode="after")
+    def _closes_once(self):
+        if self.closed and self.polyline[0] == self.polyline[-1]:
+            raise ValueError("closed = true joins the last corner to the first; leave the repeated corner out")
+        return self
 
 
 # ---- the two sides ---------------------------------------------------------------------------------------

@@ -1,0 +1,79 @@
+"""Warnings about a scene that runs but may not mean what its writer thinks. One rule, one function."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+
+import numpy as np
+
+from shared.geometry import fill, outline
+from shared.scene_geometry import WANTED_ACROSS, WANTED_ANISOTROPY, WANTED_RATIO, across
+from shared.schema import Scene
+
+_SAFE_MACH = 0.2  # free-fall speed over sound speed above which water is visibly compressed
+
+
+def scene_warnings(scene: Scene) -> list[str]:
+    """One sentence per doubt about a checked scene, each starting with the path."""
+    rules = (_anisotropy, _thin, _spacing_ratio, _walls, _dissipation, _sound_speed, _intervals)
+    return [warning for rule in rules for warning in rule(scene)]
+
+
+def _anisotropy(scene: Scene) -> Iterator[str]:
+    for side, name in ((scene.fluid, "fluid"), (scene.solid, "solid")):
+        for i, body in enumerate(side.bodies if side else []):
+            x, y = fill(body, side.dx).spacing
+            difference = abs(x - y) / min(x, y)
+            if difference > WANTED_ANISOTROPY:
+                yield (
+                    f"{name}.bodies[{i}]: '{body.name}' is filled at {x:.4g} by {y:.4g} m, {100 * difference:.1f} % "
+                    "apart; a dx that divides both sides avoids it"
+                )
+
+
+def _thin(scene: Scene) -> Iterator[str]:
+    for i, body in enumerate(scene.solid.bodies if scene.solid else []):
+        count = across(body, scene.solid.dx)
+        if count < WANTED_ACROSS:
+            yield f"solid.bodies[{i}]: {count} particles across '{body.name}'; bending wants {WANTED_ACROSS} or more"
+
+
+def _spacing_ratio(scene: Scene) -> Iterator[str]:
+    if scene.fluid and scene.solid:
+        ratio = max(scene.fluid.dx / scene.solid.dx, scene.solid.dx / scene.fluid.dx)
+        if ratio > WANTED_RATIO:
+            yield (
+                f"fluid.dx = {scene.fluid.dx:g} and solid.dx = {scene.solid.dx:g} differ {ratio:.3g} times; "
+                f"up to {WANTED_RATIO:g} times is tried and tested"
+            )
+
+
+def _walls(scene: Scene) -> Iterator[str]:
+    for i, wall in enumerate(scene.walls):
+        if scene.fluid is None:
+            yield f"walls[{i}]: '{wall.name}' has no effect without a fluid"
+        elif wall.slip == "no" and scene.fluid.viscosity == 0.0:
+            yield f'walls[{i}].slip = "no": has no effect with fluid.viscosity = 0'
+
+
+def _dissipation(scene: Scene) -> Iterator[str]:
+    if scene.fluid and scene.fluid.model == "wcsph" and scene.fluid.alpha == scene.fluid.viscosity == 0.0:
+        yield "fluid.alpha = 0: model wcsph without any viscosity rings and scatters; 0.02 to 0.1 is usual"
+
+
+def _sound_speed(scene: Scene) -> Iterator[str]:
+    if scene.fluid and isinstance(scene.fluid.sound_speed, float):
+        corners = np.concatenate([outline(body).reshape(-1, 2) for body in scene.fluid.bodies])
+        fall = math.sqrt(2.0 * math.hypot(*scene.gravity) * np.ptp(corners[:, 1]))
+        if fall > _SAFE_MACH * scene.fluid.sound_speed:
+            yield (
+                f"fluid.sound_speed = {scene.fluid.sound_speed:g}: water falling over its height reaches "
+                f"{fall:.3g} m/s; ten times that keeps density within 1 %"
+            )
+
+
+def _intervals(scene: Scene) -> Iterator[str]:
+    for i, reference in enumerate(scene.references):
+        if reference.between is not None and reference.between[1] > scene.end_time * (1.0 + 1e-9):
+            yield f"references[{i}].between = {list(reference.between)}: ends after end_time = {scene.end_time:g}"
