@@ -53,7 +53,7 @@ class Progress:
         """The run has reached `now` [s]; `note` is a word on how it goes."""
         self._time, self._note = now, note
         wall = time.monotonic()
-        if self._first is None:
+        if self._first is None and now > 0.0:  # the first window compiles
             self._first = (wall, now)
         if self._quiet:
             return
