@@ -101,6 +101,8 @@ class Body(Shape):
 
 
 class SolidBody(Body):
+    """A named elastic region."""
+
     free: bool = key(False, about="true: the body is meant to have no clamp and moves freely")
 
 

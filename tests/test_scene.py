@@ -1,0 +1,232 @@
+"""Reading scenes: every mistake is named, what is right survives the way to the file and back."""
+
+import json
+import tomllib
+
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from shared.contract import BadInput
+from shared.curves import read_curve
+from shared.scene import dump_scene, load_scene, scene_warnings, shipped_cases
+from shared.schema import Scene
+
+GOOD = """
+schema = 1
+title = "plate in a tank"
+end_time = 1.0
+gravity = [0.0, -9.81]
+
+[fluid]
+model = "wcsph"
+dx = 0.01
+bodies = [{ name = "water", rectangle = [0.0, 0.0, 0.5, 0.5] }]
+
+[[walls]]
+name = "tank"
+polyline = [[0.0, 1.0], [0.0, 0.0], [1.0, 0.0], [1.0, 1.0]]
+
+[solid]
+model = "total-lagrangian"
+dx = 0.01
+density = 1000.0
+youngs_modulus = 1e6
+bodies = [{ name = "plate", rectangle = [0.6, 0.0, 0.65, 0.3] }]
+clamps = [{ body = "plate", face = "bottom" }]
+
+[[probes]]
+name = "tip"
+quantity = "displacement-x"
+body = "plate"
+point = [0.625, 0.3]
+"""
+
+
+@pytest.fixture
+def scene_file(tmp_path):
+    def write(text=GOOD):
+        path = tmp_path / "scene.toml"
+        path.write_text(text, encoding="utf-8")
+        return path
+
+    return write
+
+
+def mistakes(path, *sets):
+    with pytest.raises(BadInput) as caught:
+        load_scene(path, sets)
+    assert caught.value.exit_code == 2
+    return str(caught.value).splitlines()[1:]
+
+
+def test_good_scene_loads_with_defaults(scene_file):
+    scene = load_scene(scene_file())
+    assert scene.fluid.h_over_dx == 1.3
+    assert scene.coupling.scheme == "auto"
+    assert scene_warnings(scene) == []
+
+
+def test_five_mistakes_of_mixed_kinds_are_five_lines(scene_file):
+    text = GOOD.replace('model = "wcsph"', 'model = "wscph"').replace("dx = 0.01\nbodies", "dxx = 0.01\nbodies")
+    text = text.replace("youngs_modulus = 1e6", "youngs_modulus = -1e6").replace("[0.625, 0.3]", "[0.7, 0.3]")
+    lines = mistakes(scene_file(text.replace('body = "plate", face', 'body = "plat", face')))
+    assert len(lines) == 5
+    text = "\n".join(lines)
+    assert 'fluid.model = "wscph": must be "ctvf" or "wcsph"; did you mean \'wcsph\'?' in text
+    assert "fluid.dxx: unknown key; did you mean 'dx'?" in text
+    assert "solid.youngs_modulus = -1000000.0: must be a number > 0 [Pa]" in text
+    assert "solid.clamps[0].body = \"plat\": no such body of the solid; did you mean 'plate'?" in text
+    assert "probes[0].point = [0.7, 0.3]: 0.05 m outside body 'plate'" in text
+
+
+WRONG = {
+    "gravity=[0.0]": "gravity = [0.0]: must be two numbers [m/s²]",
+    "end_time=true": "end_time = true: must be a number > 0 [s]",
+    'fluid.dx="0.01"': 'fluid.dx = "0.01": must be a number > 0 [m]',
+    "fluid.dx=nan": "must be a number > 0 [m]",
+    "domain=3": 'domain = 3: must be { lower, upper } or "auto"',
+    "walls={}": "walls: must be a list of tables; write [[walls]]",
+    "fluid.bodies.water.rectangle=[1, 0, 0, 1]": "needs x0 < x1 and y0 < y1",
+    "fluid.bodies.water.circle={ centre = [0, 0], radius = 1 }": "fluid.bodies[0]: give exactly one of",
+    "solid.dx=0.08": "solid.dx = 0.08: larger than body 'plate', which measures 0.05 m across",
+    "solid.dx=0.025": "2 particles across body 'plate'; model total-lagrangian needs 3",
+    "solid.dx=1e-9": "the limit is",
+    "solid.clamps=[]": "body 'plate' has no clamp",
+    "solid.clamps.0.face=botom": "no such face; did you mean 'bottom'?",
+    "solid.bodies.plate.rectangle=[0.497, 0, 0.6, 0.3]": "'plate' overlaps fluid.bodies[0], 'water', near",
+    "walls.tank.name=water": "already the name of fluid.bodies[0]",
+    "walls.tank.polyline=[[1, 1], [1, 0], [0, 0], [0, 1]]": "walk the polyline with the fluid on its left",
+    "coupling.window=2.0": "longer than end_time",
+    "output.average_from=1.0": "not before end_time",
+    "probes.tip.body=water": "a fluid, but displacement-x is of a solid body",
+    "probes.tip.quantity=pressure": "pressure is not of a body",
+    "goal={ probe = 'tap' }": "did you mean 'tip'?",
+    "references=[{ probe = 'tip', name = 'x', curve = 'none.csv' }]": "no such file",
+    "references=[{ probe = 'tip', name = 'x' }]": "give either value or curve",
+    "solid.bodies.plane.free=true": "no item named 'plane'; did you mean 'plate'?",
+    "end_time": "write path.to.key=value",
+    "end_time.x=1": "end_time is a value, not a table",
+}
+
+
+@pytest.mark.parametrize("change", WRONG)
+def test_one_mistake_is_one_line_that_says_it(scene_file, change):
+    moved = change.startswith("solid.bodies.plate.rectangle")
+    text = GOOD.split("[[probes]]")[0] if moved else GOOD
+    (line,) = mistakes(scene_file(text), change)
+    assert WRONG[change] in line
+
+
+def test_touching_is_no_overlap(scene_file):
+    touching = "solid.bodies.plate.rectangle=[0.5, 0, 0.55, 0.3]"
+    assert load_scene(scene_file(), [touching, "probes.tip.point=[0.5, 0.3]"]).solid.bodies[0].rectangle[0] == 0.5
+
+
+def test_bodies_that_cover_each_other_are_found_both_ways(scene_file):
+    around = 'solid.bodies.plate = { name = "plate", rectangle = [-1.0, -1.0, 2.0, 2.0] }'
+    assert any("overlaps" in line for line in mistakes(scene_file(), around))
+
+
+def test_empty_scene_has_no_side(scene_file):
+    assert any("both missing" in line for line in mistakes(scene_file('schema = 1\ntitle = "x"\nend_time = 1.0')))
+
+
+def test_not_toml_names_the_line(scene_file):
+    with pytest.raises(BadInput, match="line 3"):
+        load_scene(scene_file("schema = 1\n\ntitle = \n"))
+
+
+def test_missing_file_lists_cases_and_suggests():
+    with pytest.raises(BadInput, match=r"did you mean 'dam_break_plate'.*\n.*still_tank"):
+        load_scene("dam_break_plat")
+
+
+def test_sets_make_tables_and_reach_items_by_name_and_number(scene_file):
+    sets = ["coupling.window=1e-4", "probes.tip.point.0=0.61", "solid.bodies[0].rotate.angle=0", 'title="a = b"']
+    scene = load_scene(scene_file(), sets)
+    assert scene.coupling.window == 1e-4
+    assert scene.probes[0].point == (0.61, 0.3)
+    assert scene.solid.bodies[0].rotate.angle == 0.0
+    assert scene.title == "a = b"
+    assert load_scene(scene_file(), ["title=bare words"]).title == "bare words"
+
+
+WARNED = {
+    "solid.dx=0.0165": ["particles across"],
+    "solid.bodies.plate.rectangle=[0.6, 0, 0.644, 0.3]": ["apart"],
+    "fluid.dx=0.05": ["differ 5 times"],
+    "walls.tank.slip=no": ["no effect with fluid.viscosity"],
+    "fluid.alpha=0.0": ["without any viscosity"],
+    "fluid.sound_speed=10.0": ["falling over its height"],
+}
+
+
+@pytest.mark.parametrize("change", WARNED)
+def test_warnings(scene_file, change):
+    warnings = "\n".join(scene_warnings(load_scene(scene_file(), [change, "probes=[]"])))
+    assert all(part in warnings for part in WARNED[change])
+
+
+def test_curves_are_read_in_order_of_time(tmp_path):
+    path = tmp_path / "curve.csv"
+    path.write_text("time,value\n# comment\n2.0, 4.0\n1.0, 3.0\n")
+    assert read_curve(path, (0.5, 10.0)).tolist() == [[0.5, 30.0], [1.0, 40.0]]
+    path.write_text("1.0,2.0\n1.0;2.0\n")
+    with pytest.raises(ValueError, match="line 2"):
+        read_curve(path)
+
+
+@pytest.mark.parametrize("name", shipped_cases())
+def test_shipped_scene_comes_back_from_its_dump(tmp_path, name):
+    scene = load_scene(name)
+    path = tmp_path / "case.toml"
+    path.write_text(dump_scene(scene), encoding="utf-8")
+    assert load_scene(path) == scene
+    assert '"auto"' not in dump_scene(scene) or tomllib.loads(path.read_text())["coupling"]["scheme"] == "auto"
+
+
+numbers = st.floats(allow_nan=False, allow_infinity=False)
+positive = st.floats(min_value=1e-12, max_value=1e12)
+pairs = st.tuples(numbers, numbers)
+names = st.from_regex(r"[A-Za-z][A-Za-z0-9_-]{0,8}", fullmatch=True)
+text = st.text(st.characters(codec="utf-8", exclude_categories=["Cs"]), max_size=20)
+leaf = st.one_of(
+    st.tuples(numbers, numbers, positive, positive)
+    .filter(lambda r: r[0] < r[0] + r[2] < 1e300 and r[1] < r[1] + r[3] < 1e300)
+    .map(lambda r: {"rectangle": [r[0], r[1], r[0] + r[2], r[1] + r[3]]}),
+    st.builds(lambda c, r: {"circle": {"centre": c, "radius": r}}, pairs, positive),
+    st.lists(pairs, min_size=3, max_size=5, unique=True).map(lambda p: {"polygon": p}),
+)
+shapes = st.recursive(
+    leaf,
+    lambda s: st.lists(s, min_size=2, max_size=3).flatmap(lambda x: st.sampled_from([{"union": x}, {"difference": x}])),
+)
+plain = st.one_of(st.integers(-(2**60), 2**60), numbers, text, st.booleans())
+free_tables = st.dictionaries(
+    text, st.recursive(plain, lambda v: st.one_of(st.lists(v), st.dictionaries(text, v))), max_size=3
+)
+
+
+@settings(max_examples=60, deadline=None)
+@given(
+    title=text,
+    gravity=pairs,
+    bodies=st.lists(st.tuples(names, shapes), min_size=1, max_size=3),
+    dx=positive,
+    study=free_tables,
+)
+def test_any_scene_survives_the_file(title, gravity, bodies, dx, study):
+    data = {
+        "schema": 1,
+        "title": title,
+        "end_time": dx,
+        "gravity": gravity,
+        "fluid": {"model": "ctvf", "dx": dx, "bodies": [{"name": n, **s} for n, s in bodies]},
+        "walls": [{"name": n, "polyline": [(0, 0), gravity], "closed": True} for n, _ in bodies if any(gravity)],
+        "probes": [{"name": n, "quantity": "leaked"} for n, _ in bodies],
+        "study": study,
+    }
+    scene = Scene.model_validate(data)
+    again = Scene.model_validate_json(json.dumps(tomllib.loads(dump_scene(scene))), strict=True)
+    assert again == scene
