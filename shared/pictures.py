@@ -6,6 +6,7 @@ Mises stress, and the walls. Particles are drawn as large as they are, so that t
 
 from __future__ import annotations
 
+import contextlib
 import math
 from dataclasses import dataclass
 from pathlib import Path
@@ -25,7 +26,7 @@ __all__ = ["draw_last_frame", "draw_pictures", "draw_probes"]
 
 _LONGEST_IN, _TALLEST_IN = 6.5, 6.5  # of the axes
 _LEFT_IN, _BOTTOM_IN, _TOP_IN, _RIGHT_IN = 0.75, 0.6, 0.5, 0.25
-_BAR_IN, _BAR_STEP_IN, _LEAST_BAR_IN = 0.14, 1.0, 1.8
+_BAR_IN, _BAR_STEP_IN, _LEAST_BAR_IN = 0.14, 0.85, 1.8
 _LYING_BAR_STEP_IN = 0.6
 _TILING = 1.45  # diameter over spacing: discs on a square lattice cover it from √2 on
 _LEAST_DISC_PT = 0.5
@@ -50,18 +51,14 @@ class _Cloud:
 
 def draw_pictures(run_dir: Path, scene: Scene) -> list[Path]:
     """All pictures for which the run has the data: of a run that failed early there may be none."""
-    has_frames = any((Path(run_dir) / f"{side}.vtkhdf").exists() for side in ("fluid", "solid"))
-    return [*([draw_last_frame(run_dir, scene)] if has_frames else []), *draw_probes(run_dir, scene)]
+    frame = [draw_last_frame(run_dir, scene)] if _last_frames(Path(run_dir)) else []
+    return [*frame, *draw_probes(run_dir, scene)]
 
 
 def draw_last_frame(run_dir: Path, scene: Scene) -> Path:
     """Draw the last frame of both sides to last_frame.png. Raises BadInput if the run has no frames."""
     run_dir = Path(run_dir)
-    frames = {
-        side: read_frame(run_dir / f"{side}.vtkhdf")
-        for side in ("fluid", "solid")
-        if (run_dir / f"{side}.vtkhdf").exists()
-    }
+    frames = _last_frames(run_dir)
     if not frames:
         raise BadInput(f"{run_dir} holds no frames (fluid.vtkhdf, solid.vtkhdf) to draw.")
     time = max(time for time, _ in frames.values())
@@ -75,9 +72,22 @@ def draw_last_frame(run_dir: Path, scene: Scene) -> Path:
     walls = [_wall_lines(wall, time) for wall in scene.walls] if "fluid" in frames else []
     if "fluid" in frames and "solid" not in frames and scene.solid is not None:
         walls += [outline(body) for body in scene.solid.bodies]  # the partner held still
-    lower, upper = _view(clouds, walls)
-    words = f"t = {time:.4g} s" + (f", deflection × {magnification:g}" if magnification != 1.0 else "")
+    bodies = [outline(body) for side in (scene.fluid, scene.solid) if side for body in side.bodies]
+    something = walls or any(len(cloud.position) for cloud in clouds)
+    lower, upper = _view(clouds, walls if something else bodies)
+    words = f"t = {time:.4g} s" + (
+        f", deflection × {magnification:_.0f}".replace("_", " ") if magnification != 1.0 else ""
+    )
     return save(_figure(scene.title, words, clouds, walls, lower, upper), run_dir / "last_frame.png")
+
+
+def _last_frames(run_dir: Path) -> dict[str, tuple[float, Frame]]:
+    """Time and last frame of each side that has one."""
+    frames = {}
+    for side in ("fluid", "solid"):
+        with contextlib.suppress(BadInput):  # not run, or ended before its first frame
+            frames[side] = read_frame(run_dir / f"{side}.vtkhdf")
+    return frames
 
 
 # ---- what is drawn ----------------------------------------------------------------------------------------------
@@ -85,8 +95,7 @@ def draw_last_frame(run_dir: Path, scene: Scene) -> Path:
 
 def _fluid_cloud(frame: Frame, scene: Scene) -> _Cloud:
     speed = np.hypot(*frame.fields["velocity"].T)
-    size = np.ptp(frame.position, axis=0).max(initial=0.0)
-    free_fall = math.sqrt(math.hypot(*scene.gravity) * size)
+    free_fall = math.sqrt(math.hypot(*scene.gravity) * _length(frame.position))
     if "pressure" in frame.fields and len(speed) and np.quantile(speed, 0.99) < _AT_REST * free_fall:
         return _Cloud(frame.position, frame.fields["pressure"], scene.fluid.dx, "pressure", "Pa", "YlGnBu")
     return _Cloud(frame.position, speed, scene.fluid.dx, "fluid speed", "m/s", "viridis")
@@ -95,7 +104,7 @@ def _fluid_cloud(frame: Frame, scene: Scene) -> _Cloud:
 def _solid_cloud(frame: Frame, scene: Scene, alone: bool) -> tuple[_Cloud, float]:
     """The solid's particles, and by what factor their displacement is drawn (1 unless alone and too small to see)."""
     displacement = frame.fields["displacement"]
-    length = np.ptp(frame.position, axis=0).max(initial=0.0)
+    length = _length(frame.position)
     largest = largest_size(displacement)
     factor = 1.0
     if alone and 0.0 < largest < _VISIBLE * length:
@@ -124,9 +133,15 @@ def _wall_lines(wall: Wall, time: float) -> np.ndarray:
     return np.stack([corners[:-1], corners[1:]], axis=1)
 
 
-def _view(clouds: list[_Cloud], walls: list[np.ndarray]) -> tuple[np.ndarray, np.ndarray]:
-    """Lower left and upper right corner [m]: all walls and solids, and the fluid but for its farthest spray."""
-    points = [wall.reshape(-1, 2) for wall in walls]
+def _length(position: np.ndarray) -> float:
+    """The longer side of the box around points (n, 2) [m]; 0 without points."""
+    inside = position[np.isfinite(position).all(axis=1)]
+    return float(np.ptp(inside, axis=0).max()) if len(inside) else 0.0
+
+
+def _view(clouds: list[_Cloud], lines: list[np.ndarray]) -> tuple[np.ndarray, np.ndarray]:
+    """Lower left and upper right corner [m]: all lines and solids, and the fluid but for its farthest spray."""
+    points = [line.reshape(-1, 2) for line in lines]
     for cloud in clouds:
         inside = cloud.position[np.isfinite(cloud.position).all(axis=1)]
         share = _SPRAY if cloud.label != "von Mises stress" else 0.0

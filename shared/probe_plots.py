@@ -44,25 +44,24 @@ def _draw_probe(path: Path, scene: Scene, probe: Probe, time: np.ndarray, values
     axes = axes_at(figure, _LEFT_IN, _BOTTOM_IN, _WIDTH_IN - _LEFT_IN - _RIGHT_IN, _HEIGHT_IN - _BOTTOM_IN - _TOP_IN)
     start = scene.output.average_from
     if 0.0 < start < time[-1]:
-        axes.axvspan(start / second, time[-1] / second, color="0.94", linewidth=0, label="mean taken here")
+        axes.axvspan(start / second, time[-1] / second, color="0.94", linewidth=0, zorder=0, label="mean taken here")
+    axes.plot(time / second, values / factor, color=_OWN_COLOUR, linewidth=1.4, zorder=3, label="this run")
     for number, reference in enumerate(references):
         style = {"color": _COLOURS[number % len(_COLOURS)], "linestyle": _DASHES[number % len(_DASHES)]}
-        _draw_reference(axes, reference, (time, values), (second, factor), style)
-    axes.plot(time / second, values / factor, color=_OWN_COLOUR, linewidth=1.3, label="this run")
+        _draw_reference(axes, reference, (time, values), start, (second, factor), style)
     axes.set_xlim(0.0, max(time[-1] / second, 1e-12))
     _set_range(axes, np.concatenate(shown) / factor)
     axes.set_xlabel(f"time [{time_unit}]", fontsize=FONT_PT, color=INK)
     axes.set_ylabel(f"{_words(probe)} [{unit}]", fontsize=FONT_PT, color=INK)
     axes.set_title(scene.title, loc="left", fontsize=FONT_PT + 1, color=INK)
     axes.set_title(probe.name, loc="right", fontsize=FONT_PT, color=FAINT)
-    axes.grid(color="0.9", linewidth=0.5)
-    axes.set_axisbelow(True)
+    axes.grid(color="0.88", linewidth=0.5, zorder=0.5)
     legend = axes.legend(fontsize=FONT_PT - 2, frameon=True, framealpha=0.85, edgecolor="none", labelcolor=INK)
     legend.set_zorder(5)
     return save(figure, path)
 
 
-def _draw_reference(axes, reference: Reference, history, scales, style: dict) -> None:
+def _draw_reference(axes, reference: Reference, history, average_from: float, scales, style: dict) -> None:
     """A curve as a line with small dots; a value as a level, a moment or a slope, over its own interval."""
     (time, values), (second, factor) = history, scales
     if reference.curve is not None:
@@ -70,9 +69,10 @@ def _draw_reference(axes, reference: Reference, history, scales, style: dict) ->
         axes.plot(t / second, v / factor, linewidth=1.0, marker="o", markersize=2.0, label=reference.name, **style)
         return
     label = f"{reference.name} ({reference.statistic.replace('_', ' of ')})"
-    begin, end = reference.between or (0.0, time[-1])
+    begin, end = reference.between or (average_from if reference.statistic == "mean" else 0.0, time[-1])
     if reference.statistic in ("t_min", "t_max"):
-        axes.axvline(reference.value / second, linewidth=1.0, label=label, **style)
+        if reference.value <= time[-1]:
+            axes.axvline(reference.value / second, linewidth=1.0, label=label, **style)
     elif reference.statistic == "slope":
         # Through the run's own middle: only the slope is said.
         end = min(end, time[-1])
