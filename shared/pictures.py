@@ -33,7 +33,7 @@ _LEAST_DISC_PT = 0.5
 _AT_REST = 0.05  # of √(gL): below this speed the fluid is coloured by its pressure
 _SPRAY = 0.003  # share of the fluid at each end of each axis that may lie outside the picture
 _VISIBLE = 0.01  # of a solid's length: smaller deflections are drawn magnified to _MAGNIFIED
-_MAGNIFIED = 0.04
+_MAGNIFIED = 0.06
 _MARGIN = 0.03  # of the view, around it
 
 
