@@ -4,49 +4,66 @@ from __future__ import annotations
 
 import numpy as np
 
-from fluid_solver.fields import FLUID, RHO, M, P, U, V, X, Y
+from fluid_solver.fields import FLUID, RHO, P, U, V, X, Y
 from shared.contract import SolverFailed
 from shared.geometry import outline
 from shared.jit import njit
 from shared.schema import Scene
 
-LARGEST_COMPRESSION = 0.2  # |ρ/ρ0 − 1| beyond which the fluid is not weakly compressible any more
+LARGEST_COMPRESSION = 0.2  # |ρ/ρ0 − 1| beyond which a particle is not weakly compressible any more
+FRACTION = 2e-3  # of the fluid that may be so: single particles are in splashes, of no weight for the rest
+FEW = 3  # particles that may be so in any case
 HEADROOM = 3.0  # of the scene's height, above it, in the automatic domain: splashes fall back
 _NAMES = {X: "position", Y: "position", U: "velocity", V: "velocity", RHO: "density", P: "pressure"}
 
 
 @njit
-def first_bad(S, kind, count, rho0, compression):
-    """Index of the first fluid particle, parked ones included, with a non-finite or far-off value, and its row."""
+def first_bad(S, kind, count):
+    """Index of the first fluid particle, parked ones included, with a non-finite value, and its row; else −1."""
     for i in range(S.shape[1]):
         if i < count and kind[i] != FLUID:
             continue
         for row in (X, Y, U, V, P, RHO):
             if not np.isfinite(S[row, i]):
                 return i, row
-        if i < count and abs(S[RHO, i] / rho0 - 1.0) > compression:
-            return i, M
     return -1, -1
 
 
+@njit
+def far_off(S, kind, count, rho0, compression):
+    """Number of fluid particles whose density is off by more than `compression`, and the index of the worst."""
+    found, worst, most = 0, -1, compression
+    for i in range(count):
+        if kind[i] == FLUID:
+            off = abs(S[RHO, i] / rho0 - 1.0)
+            if off > compression:
+                found += 1
+            if off > most:
+                worst, most = i, off
+    return found, worst
+
+
 def check(store, c) -> None:
-    """Raise SolverFailed, naming quantity, value and place, for a non-finite state or a density far off."""
-    i, row = first_bad(store.S, store.kind, store.count, c.rho0, LARGEST_COMPRESSION)
-    if i < 0:
-        return
-    S = store.S
-    place = f"fluid particle {store.ids[i]} at ({S[X, i]:.4g}, {S[Y, i]:.4g}) m"
-    if row != M:
+    """Raise SolverFailed, naming quantity, value and place, for a non-finite state or densities far off."""
+    i, row = first_bad(store.S, store.kind, store.count)
+    if i >= 0:
         raise SolverFailed(
-            f"the {_NAMES[row]} of {place} is {S[row, i]:.4g}: the fluid diverged. "
+            f"the {_NAMES[row]} of {_place(store, i)} is {store.S[row, i]:.4g}: the fluid diverged. "
             f"Lower fluid.courant, raise fluid.alpha, or look for overlapping bodies or a wall that moves too fast."
         )
-    speed = float(np.hypot(S[U, i], S[V, i]))
-    raise SolverFailed(
-        f"the density of {place} is {S[RHO, i]:.4g} kg/m³, more than {LARGEST_COMPRESSION:.0%} off "
-        f"{c.rho0:g} (speed {speed:.3g} m/s, sound speed {c.c0:.3g} m/s): the fluid is not weakly compressible any more. "
-        f"Raise fluid.sound_speed if the speed is real, lower fluid.courant if it is not."
-    )
+    found, i = far_off(store.S, store.kind, store.count, c.rho0, LARGEST_COMPRESSION)
+    if found > max(FEW, FRACTION * store.count):
+        speed = float(np.hypot(store.S[U, i], store.S[V, i]))
+        raise SolverFailed(
+            f"the density of {found} fluid particles is more than {LARGEST_COMPRESSION:.0%} off {c.rho0:g} kg/m³, "
+            f"worst {store.S[RHO, i]:.4g} kg/m³ of {_place(store, i)} (speed {speed:.3g} m/s, sound speed {c.c0:.3g} m/s): "
+            f"the fluid is not weakly compressible any more. Raise fluid.sound_speed if the speed is real, lower "
+            f"fluid.courant if it is not."
+        )
+
+
+def _place(store, i: int) -> str:
+    return f"fluid particle {store.ids[i]} at ({store.S[X, i]:.4g}, {store.S[Y, i]:.4g}) m"
 
 
 def domain_of(scene: Scene) -> np.ndarray:

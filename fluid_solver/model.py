@@ -144,7 +144,7 @@ class ParticleFluid:
         self._speed, drift = kick_and_drift(store.S, store.kind, store.count, dt, store.speeds)
         self._place(t0, since + 0.5 * dt, length, boundary)
         # 3  cells, once particles have moved too far for the present ones
-        reach = 0.5 * dt * max(drift, self._ghost_speed())
+        reach = 0.5 * dt * max(drift, self._ghost_speed(boundary))
         store.moved += reach
         store.sort_if_moved(reach)
         # 4, 5, 6  rates at the middle; ρ and p a full step on; x += (u_half + δu) dt/2; walls and ghosts to the end
@@ -179,7 +179,9 @@ class ParticleFluid:
         s = self.store
         place_ghosts(s.S, s.kind, s.ids, s.count, self._first, self._pose)
 
-    def _ghost_speed(self) -> float:
+    def _ghost_speed(self, boundary: Kinematics | None) -> float:
+        if boundary is None and not self._moving:
+            return 0.0
         return math.sqrt(np.max(np.sum(self._pose[:, 2:4] ** 2, axis=1), initial=0.0))
 
     def _loads(self, force: np.ndarray) -> Loads:

@@ -34,8 +34,8 @@ class Store:
 
     def __init__(self, S: np.ndarray, kind: np.ndarray, support: float, domain: np.ndarray):
         n = S.shape[1]
-        self.S, self.kind, self.ids = S, kind.astype(np.int8), np.arange(n)
-        self._spare = np.empty_like(S), np.empty_like(self.kind), np.empty_like(self.ids)
+        self.S, self.kind, self.ids = _with_slack(S), kind.astype(np.int8), np.arange(n)
+        self._spare = _with_slack(S), np.empty_like(self.kind), np.empty_like(self.ids)
         self._key, self._order = np.empty(n, dtype=np.int64), np.empty(n, dtype=np.int64)
         self._cells = np.zeros(2, dtype=np.int64)
         self._support, self._domain = support, domain
@@ -80,8 +80,8 @@ class Store:
 
     def _share(self) -> None:
         most = share_cells(self.start, self.nx, self.edges)
-        if most + LANES > self.buffers.shape[2]:
-            room = int(_CROWDED * most / LANES + 2) * LANES
+        if most + 2 * LANES > self.buffers.shape[2]:
+            room = int(_CROWDED * most / LANES + 3) * LANES
             self.buffers = np.empty((CHUNKS, BUFFER_ROWS, room))
 
     def in_order_of_ids(self, rows, first: int, last: int) -> np.ndarray:
@@ -110,3 +110,11 @@ class Store:
         self.nx, self.count, self.parked = (int(k) for k in state["cells"])
         self.moved, self._skin = (float(k) for k in state["skin"])
         self._share()
+
+
+def _with_slack(S: np.ndarray) -> np.ndarray:
+    """A copy of S with a spare row of memory after it: whole vectors are read past the end of a row."""
+    slack = np.zeros((S.shape[0] + 1, S.shape[1]))
+    padded = slack[: S.shape[0], : S.shape[1]]
+    padded[...] = S
+    return padded
