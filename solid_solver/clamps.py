@@ -6,6 +6,9 @@ import math
 
 import numpy as np
 
+from shared.geometry import faces
+from shared.schema import Clamp
+
 FACE_POINT_WEIGHT = 0.5
 """Weight of a fixed point in the quadratic fit, against 1 for a particle: the half cell between the face and the
 outermost particles. On a clamped beam under uniform load it leaves 0.7 % (10 across) and 0.3 % (20) too much deflection,
@@ -30,3 +33,23 @@ def face_points(segments: np.ndarray, axes: np.ndarray, spacing: np.ndarray) -> 
         points.append(start + share[:, None] * (end - start))
         lengths.append(np.full(count, length / count))
     return np.concatenate(points), np.concatenate(lengths)
+
+
+def fixed_particles(body, clamps: list[Clamp], beyond: float) -> tuple[np.ndarray, np.ndarray]:
+    """Fixed particles of a `LatticeBody`: positions (m, 2) [m] and areas (m,) [m²].
+
+    `beyond` = 0: on the clamped faces, half a cell each. Otherwise columns of whole cells continue the lattice
+    behind the faces to a depth of `beyond` spacings.
+    """
+    points, areas = [np.zeros((0, 2))], [np.zeros(0)]
+    for clamp in (c for c in clamps if c.body == body.shape.name):
+        segments = faces(body.shape)[clamp.face]
+        for segment in segments:
+            on_face, length = face_points(segment[None], body.axes, body.spacing)
+            along = (segment[1] - segment[0]) / math.hypot(*(segment[1] - segment[0]))
+            outward = np.array([along[1], -along[0]])
+            depth = float(np.hypot(*((body.axes @ outward) * body.spacing)))
+            for k in range(math.ceil(beyond) or 1):
+                points.append(on_face + ((k + 0.5) * depth if beyond else 0.0) * outward)
+                areas.append(length * depth * (1.0 if beyond else FACE_POINT_WEIGHT))
+    return np.concatenate(points), np.concatenate(areas)

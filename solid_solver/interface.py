@@ -24,6 +24,13 @@ def wave_speed(solid: Solid) -> float:
     return math.sqrt((lam + 2.0 * mu) / solid.density)
 
 
+def damped_kick(damping: float, tau: float) -> tuple[float, float]:
+    """Factors (e, τφ) of v ← e v + τφ a: the exact effect of a constant a and of −η v over `tau` [s]."""
+    if damping == 0.0:
+        return 1.0, tau
+    return math.exp(-damping * tau), -math.expm1(-damping * tau) / damping
+
+
 def thickness(scene: Scene) -> float:
     """Smallest extent of the bodies' bounding boxes, in their own frames [m]."""
     return min(float(np.min(upper - lower)) for lower, upper in map(own_box, scene.solid.bodies))

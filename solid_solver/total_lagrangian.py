@@ -19,7 +19,7 @@ import numpy as np
 from shared.contract import Description, Exchange, Frame, Kinematics, Loads, SolverFailed
 from shared.schema import Scene
 from solid_solver.bodies import lattice_bodies
-from solid_solver.interface import describe, kinematics_over_window, lame, wave_speed
+from solid_solver.interface import damped_kick, describe, kinematics_over_window, lame, wave_speed
 from solid_solver.lattice_sweeps import SCRATCH, SUMS, derivative_sweep, extremes, steps
 from solid_solver.loads import scheduled_loads
 from solid_solver.probes import solid_probes
@@ -94,7 +94,8 @@ class TotalLagrangian:
             steady = steady + boundary.force / self._mass[:, None]
         load = self._padded(steady)
         start = self._position + self._public(self._u), self._public(self._v)
-        whole, half = self._kick(dt), self._kick(0.5 * dt)
+        eta = self._scene.solid.damping
+        whole, half = damped_kick(eta, dt), damped_kick(eta, 0.5 * dt)
         self._v *= half[0]
         self._v += half[1] * (self._a + load + np.tensordot(shares[0], self._ramped, axes=1))
         self._u += dt * self._v
@@ -103,7 +104,7 @@ class TotalLagrangian:
         self._time = t1
         self._survey()
         end = self._position + self._public(self._u), self._public(self._v)
-        total = self._a + load + np.tensordot(shares[-1], self._ramped, axes=1) - self._scene.solid.damping * self._v
+        total = self._a + load + np.tensordot(shares[-1], self._ramped, axes=1) - eta * self._v
         return kinematics_over_window(start, end, self._public(total), t1 - t0)
 
     def state(self) -> dict[str, np.ndarray]:
@@ -154,13 +155,6 @@ class TotalLagrangian:
     def _public(self, planes: np.ndarray) -> np.ndarray:
         """A field (2, slots) in the order of the published points, (n, 2)."""
         return np.ascontiguousarray(planes[:, self._slot].T)
-
-    def _kick(self, tau: float) -> tuple[float, float]:
-        """Factors e and τφ of a kick of `tau` [s]."""
-        eta = self._scene.solid.damping
-        if eta == 0.0:
-            return 1.0, tau
-        return math.exp(-eta * tau), -math.expm1(-eta * tau) / eta
 
     def _step(self, load: np.ndarray, shares: np.ndarray, kicks: np.ndarray, dt: float) -> None:
         solid, layout = self._scene.solid, self._layout

@@ -1,0 +1,205 @@
+"""Model `ctvf`: the updated-Lagrangian solid with Jaumann rate and iterative shifting (Adepu & Ramachandran).
+
+The equations are in updated_sweeps.py and shifting.py. Clamped faces carry fixed particles that take part in the stress:
+on the face, with half a cell each, under the corrected gradient; columns that fill the kernel's support
+beyond the face under the printed one, whose sums need them. What is published are material tracers: each particle carries
+the offset to the material point that it stood on at the start.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+
+import numba
+import numpy as np
+from scipy.spatial import cKDTree
+
+from shared.contract import Description, Exchange, Frame, Kinematics, Loads, SolverFailed
+from shared.kernels import kernel_named
+from shared.schema import Scene
+from solid_solver.bodies import lattice_bodies
+from solid_solver.clamps import fixed_particles
+from solid_solver.interface import damped_kick, describe, kinematics_over_window, lame, wave_speed
+from solid_solver.loads import scheduled_loads
+from solid_solver.probes import solid_probes
+from solid_solver.shifting import NEEDED, shift
+from solid_solver.stresses import stress_fields
+from solid_solver.updated_sweeps import extreme_state, moved_too_far, steps
+
+COURANT = 0.4
+"""Default step over dx/c_p."""
+
+SKIN = 0.6
+"""Width of the neighbour list's skin over the spacing: half of it may be walked before the list is made anew."""
+
+FRACTURE_GAP = 2.0
+"""Distance to the nearest particle, over the spacing, past which the body has come apart."""
+
+DENSITY_RANGE = 3.0
+"""Factor on the reference density, up and down, past which the state is absurd."""
+
+
+class UpdatedLagrangian:
+    """The updated-Lagrangian solid (see the module's text). Free particles come first, then the fixed ones."""
+
+    role = "structure"
+
+    def __init__(self, scene: Scene, coupled: bool, threads: int):
+        solid = scene.solid
+        self._scene, self._coupled, self._threads = scene, coupled, threads
+        self._bodies = lattice_bodies(scene)
+        self._kernel = kernel_named(solid.kernel)
+        self._reference = np.concatenate([b.position for b in self._bodies])
+        self._free = len(self._reference)
+        beyond = 0.0 if solid.gradient == "linear" else self._kernel.support * solid.h_over_dx
+        fixed = [fixed_particles(b, solid.clamps, beyond) for b in self._bodies]
+        sizes = [len(b.position) for b in self._bodies]
+        self._body = np.repeat(np.tile(np.arange(len(sizes)), 2), [*sizes, *(len(p) for p, _ in fixed)])
+        self._spacing = np.array([b.spacing.min() for b in self._bodies])[self._body]
+        self._h = solid.h_over_dx * max(math.sqrt(b.cell) for b in self._bodies)
+        areas = [np.full(n, b.cell) for n, b in zip(sizes, self._bodies, strict=True)]
+        self._mass = solid.density * np.concatenate([*areas, *(area for _, area in fixed)])
+        self._x = np.concatenate([self._reference, *(points for points, _ in fixed)])
+        count = len(self._x)
+        self._u, self._a = np.zeros((count, 2)), np.zeros((self._free, 2))
+        self._u[: self._free] = np.repeat([b.shape.velocity for b in self._bodies], sizes, axis=0)
+        self._rho, self._stress = np.full(count, solid.density), np.zeros((count, 4))
+        self._offset = np.zeros((count, 2))
+        self._sums = np.zeros((count, 4)), np.tile([1.0, 0.0, 0.0, 1.0], (count, 1)), np.zeros((count, 4))
+        self._nearest = self._spacing[: self._free].copy()
+        self._loads = scheduled_loads(scene, self._bodies)
+        self._probes = solid_probes(scene, self._bodies)
+        self._time, self._steps = 0.0, 0
+        self._find_neighbours(self._x)
+
+    # ---- the contract -----------------------------------------------------------------------------------------
+
+    def describe(self) -> Description:
+        return describe(self._scene, self._bodies, self.stable_step())
+
+    def begin(self, motion: Kinematics | None) -> Kinematics:
+        velocity = self._u[: self._free].copy()
+        acceleration = self._loads.at(0.0) - self._scene.solid.damping * velocity
+        return Kinematics(self._reference.copy(), velocity, acceleration, velocity.copy(), acceleration.copy())
+
+    def stable_step(self) -> float:
+        solid = self._scene.solid
+        courant = COURANT if solid.courant == "auto" else solid.courant
+        closest = np.min(np.minimum(self._nearest, self._spacing[: self._free]))
+        return courant * float(closest) / wave_speed(solid)
+
+    def advance(self, t0: float, t1: float, substeps: int, boundary: Exchange | None) -> Kinematics:
+        numba.set_num_threads(self._threads)
+        dt = (t1 - t0) / substeps
+        shares = self._loads.shares(t0 + dt * np.arange(substeps + 1))
+        steady = self._loads.steady
+        if isinstance(boundary, Loads):
+            steady = steady + boundary.force / self._mass[: self._free, None]
+        start = self._tracers()
+        self._take_steps((steady, self._loads.ramped, shares), substeps, dt)
+        self._steps += substeps
+        self._time = t1
+        end = self._tracers()
+        damping = self._scene.solid.damping * self._u[: self._free]
+        total = self._a + steady + np.tensordot(shares[-1], self._loads.ramped, axes=1) - damping
+        return kinematics_over_window(start, end, total, t1 - t0)
+
+    def state(self) -> dict[str, np.ndarray]:
+        return {
+            "position": self._x, "velocity": self._u, "acceleration": self._a, "density": self._rho, "stress": self._stress,
+            "offset": self._offset, "gradient": self._sums[0], "correction": self._sums[1], "nearest": self._nearest,
+            "listed_at": self._built, "time": np.array([self._time]),
+        }  # fmt: skip
+
+    def restore(self, state: Mapping[str, np.ndarray]) -> None:
+        for name, array in self.state().items():
+            array[...] = state[name]
+        self._time = float(state["time"][0])
+        self._find_neighbours(state["listed_at"])
+
+    def check(self) -> None:
+        density = self._scene.solid.density
+        low, high, _, where = extreme_state(self._rho, self._stress, self._nearest)
+        gap = self._nearest / self._spacing[: self._free]
+        if math.isnan(low):
+            what, particle = "the state is not finite", where[0]
+        elif low < density / DENSITY_RANGE or high > density * DENSITY_RANGE:
+            particle = where[0] if low < density / DENSITY_RANGE else where[1]
+            what = f"the density is {self._rho[particle]:.3g} kg/m³"
+        elif gap.max() > FRACTURE_GAP:
+            particle = int(np.argmax(gap))
+            what = f"the nearest particle is {gap[particle]:.2g} spacings away (fracture)"
+        else:
+            return
+        place = self._reference[min(particle, self._free - 1)]
+        raise SolverFailed(
+            f"The solid failed at t = {self._time:.6g} s: {what} at the particle with reference position "
+            f"({place[0]:.5g}, {place[1]:.5g}) m. Lower solid.courant (step now at most {self.stable_step():.3g} s), "
+            f"keep solid.shifting on, refine solid.dx, or use solid.model = 'total-lagrangian', which cannot fracture."
+        )
+
+    def probe_values(self) -> dict[str, float]:
+        position, velocity = self._tracers()
+        return {name: value(position - self._reference, velocity) for name, value in self._probes.items()}
+
+    def frame(self) -> Frame:
+        free, solid = self._free, self._scene.solid
+        lam, mu = lame(solid)
+        pressure = (lam + 2.0 * mu / 3.0) / solid.density * (self._rho[:free] - solid.density)
+        xx, xy, yy, zz = self._stress[:free].T
+        position, velocity = self._tracers()
+        fields = {"displacement": position - self._reference, "velocity": velocity, "density": self._rho[:free].copy()}
+        return Frame(
+            self._x[:free].copy(), fields | stress_fields(xx - pressure, yy - pressure, zz - pressure, xy.copy())
+        )
+
+    def particles(self) -> int:
+        return len(self._x)
+
+    def steps(self) -> int:
+        return self._steps
+
+    # ---- inside -----------------------------------------------------------------------------------------------
+
+    def _tracers(self) -> tuple[np.ndarray, np.ndarray]:
+        """Position and velocity (free, 2) of the material tracers."""
+        free = self._free
+        e, g = self._offset[:free], self._sums[0][:free]
+        correction = np.stack([g[:, 0] * e[:, 0] + g[:, 1] * e[:, 1], g[:, 2] * e[:, 0] + g[:, 3] * e[:, 1]], axis=1)
+        return self._x[:free] + e, self._u[:free] + correction
+
+    def _find_neighbours(self, at: np.ndarray) -> None:
+        """Make the neighbour list (first, neighbour) for positions `at` (n, 2), pairs of one body only, sorted."""
+        skin = SKIN * float(self._spacing.min())
+        pairs = cKDTree(at).query_pairs(self._kernel.support * self._h + skin, output_type="ndarray")
+        pairs = pairs[self._body[pairs[:, 0]] == self._body[pairs[:, 1]]]
+        a, b = np.concatenate([pairs, pairs[:, ::-1]]).T
+        order = np.lexsort((b, a))
+        self._neighbour = b[order].astype(np.int32)
+        self._first = np.concatenate([[0], np.cumsum(np.bincount(a, minlength=len(at)))])
+        self._built = at.copy()
+        self._allowed = 0.5 * skin
+
+    def _take_steps(self, loads: tuple, substeps: int, dt: float) -> None:
+        """Advance by all sub-steps, making neighbour lists and shifting in between as needed."""
+        solid = self._scene.solid
+        lam, mu = lame(solid)
+        c_squared = (lam + 2.0 * mu / 3.0) / solid.density
+        viscosity = solid.alpha * self._h * math.sqrt(c_squared)
+        close = NEEDED * self._spacing[: self._free] if solid.shifting else np.zeros(self._free)
+        numbers = dt, viscosity, (mu, c_squared, solid.density), solid.gradient == "linear"
+        done = 0
+        while done < substeps:
+            if moved_too_far(self._x, self._u, self._built, self._allowed, dt):
+                self._find_neighbours(self._x)
+            done, due = steps(
+                (self._x, self._u, self._a), (self._mass, self._rho, self._stress, self._offset), (*self._sums, self._nearest),
+                (self._first, self._neighbour, self._built, self._allowed), (self._kernel.code, self._h), loads,
+                damped_kick(solid.damping, 0.5 * dt), (*numbers, done, close),
+            )  # fmt: skip
+            if due:
+                shift(
+                    self._x, self._u, self._rho, self._stress, self._offset, self._mass, self._sums[1], self._spacing,
+                    self._free, self._first, self._neighbour, self._kernel.code, self._h,
+                )  # fmt: skip
