@@ -64,7 +64,7 @@ def build_mapping(structure: Description, fluid: Description) -> Mapping:
 
 
 def _row(place: np.ndarray, structure: Description, points: np.ndarray, tree: cKDTree):
-    """Columns and weights for one ghost at `place` (2,): smallest weights that reproduce 1, x, y (moving least squares)."""
+    """Columns and weights for one ghost at `place` (2,): moving least squares, exact for 1, x and y."""
     distance, nearest = tree.query(place)
     if distance <= _COINCIDENT * structure.spacing:
         return points[[nearest]], np.ones(1)

@@ -23,7 +23,10 @@ class RemoteError(ShearwaterError):
 
 
 class Remote:
-    """Participant `name` behind a link. A verb that two participants may work on at once is split into `begin_…` and `end_…`."""
+    """Participant `name` behind a link.
+
+    A verb that two participants may work on at once is split into `begin_…` and `end_…`.
+    """
 
     def __init__(self, link: Link, run: str, name: str):
         self.name = name

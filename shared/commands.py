@@ -9,7 +9,6 @@ import sys
 from pathlib import Path
 from typing import Annotated
 
-import click
 import typer
 from rich.console import Console
 from rich.table import Table
@@ -35,26 +34,22 @@ def new_app(about: str) -> typer.Typer:
 
 
 def run_app(app: typer.Typer) -> None:
-    """Run the command line and exit: 0 finished, 2 bad input, 3 a solver failed, 4 a participant was lost, 130 interrupted."""
+    """Run the command line and exit: 0 finished, 2 bad input, 3 solver failed, 4 participant lost, 130 interrupted."""
     logging.getLogger("shearwater").addHandler(logging.NullHandler())
     signal.signal(signal.SIGTERM, _interrupt)
     try:
-        code = app(standalone_mode=False) or 0
-    except click.exceptions.Abort:
-        code = INTERRUPTED
-    except click.ClickException as error:
-        error.show()
-        code = error.exit_code
-    except KeyboardInterrupt:
-        _say("interrupted; what was computed is kept")
-        code = INTERRUPTED
+        app()
+        code = 0
+    except SystemExit as end:  # usage errors end with 2, Ctrl-C with 130
+        code = end.code
     except ShearwaterError as error:
         _say(f"error: {error}")
         code = error.exit_code
     except OSError as error:
         _say(f"error: {error}; check the disk's free space and the rights on the run directory, then run again")
         code = 3
-    sys.stdout.flush()
+    if code == INTERRUPTED:
+        _say("interrupted; what was computed is kept")
     sys.exit(code)
 
 

@@ -73,10 +73,8 @@ class Participant:
         self._clock, self._selection, self._rollback = clock, np.asarray(selection), rollback
         self._frames, self._probe_rows = frames, probe_rows
         self._points = len(self.model.describe().position)
-        begun = time.perf_counter()
         own = self.model.begin(motion)
         self.model.check()
-        self._busy += time.perf_counter() - begun
         if self._output is not None:
             self._writer = FrameWriter(self._output)
             self._writer.append(0.0, self.model.frame())
@@ -97,8 +95,9 @@ class Participant:
         step, limit = window.length / self._substeps, self.model.stable_step()
         if step > _OUTGROWN * limit:
             raise SolverFailed(
-                f"{self.name}: the stable time step fell from {step:.3g} s to {limit:.3g} s within the window that ends at "
-                f"t = {window.t1:.6g} s; the state changes too fast for it: shorten coupling.window or lower the courant number"
+                f"{self.name}: the stable time step fell from {step:.3g} s to {limit:.3g} s within the window that "
+                f"ends at t = {window.t1:.6g} s; the state changes too fast for it: shorten coupling.window or lower "
+                "the courant number"
             )
         self._busy += time.perf_counter() - begun
         self._stage = "advanced"

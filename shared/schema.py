@@ -254,7 +254,7 @@ class Coupling(Table):
     window: Positive | Literal["auto"] = key(
         "auto",
         unit="s",
-        about="coupling window; auto: a few fluid steps, few enough for stability (α below 0.3)",
+        about="coupling window; auto: up to four fluid steps, with α = ρ_f c Δt/(ρ_s t) at most 0.08",
     )
     predictor: Literal[0, 1, 2] = key(0, about="order of the load's extrapolation from past windows")
     stall_after: Positive = key(

@@ -60,7 +60,7 @@ def tiny_coupled(
     end_time: float = 0.02,
     fluid: str = "ctvf",
     solid: str = "total-lagrangian",
-    solid_dx: float = 4.0e-3,
+    solid_dx: float = 2.0e-3,
 ) -> Path:
     """A coupled scene of 375 fluid particles, written to `folder`; a few seconds a simulated 0.1 s."""
     path = folder / "tiny.toml"
