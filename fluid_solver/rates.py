@@ -1,6 +1,10 @@
 """Sweep one, at the middle of the step: rates of density and, with EDAC, of pressure.
 
 dρ/dt = ρ_a Σ V_b u_ab·∇W + (transport of ρ);  dp/dt = ρ_a c² Σ V_b u_ab·∇W + (transport of p) + diffusion.
+
+A particle torn off keeps the density it had then, below ρ0 after a pull, and would stick to, and creep into, the next
+wall. So particles with too few neighbours to know a density, ∇·r below `ISOLATED`, forget tension: ρ rises to ρ0 and
+p to 0. Compression stays: it is what stops a single drop at a wall.
 """
 
 from __future__ import annotations
@@ -11,10 +15,12 @@ import numba
 
 from fluid_solver.cells import gather
 from fluid_solver.fields import DP, DRHO, RHO, SX, SY, VOL, P, U, V, X, Y
+from fluid_solver.surface import ISOLATED
 from fluid_solver.terms import pressure_diffusion, transport, velocity_divergence
 from shared.jit import parallel_njit
 from shared.kernels import kernel_f
 
+FORGETTING = 0.2  # rate in c0/h: fast beside the flight of a drop, slow beside a step
 _ROWS = (X, Y, U, V, VOL)
 _ROWS_TRANSPORT = (*_ROWS, SX, SY, RHO, P)
 
@@ -37,11 +43,13 @@ def make_rates(kernel: int, transported: bool):
                 n = gather(S, rows, start, nx, cell, b)
                 for a in range(start[2 * cell], start[2 * cell + 1]):
                     xa, ya, ua, va, rho_a, p_a = S[X, a], S[Y, a], S[U, a], S[V, a], S[RHO, a], S[P, a]
-                    div = rho_transport = p_rate = 0.0
+                    div = div_r = rho_transport = p_rate = 0.0
                     for k in range(n):
                         rx = xa - b[0, k]
                         ry = ya - b[1, k]
-                        F = kernel_f(kernel, rx * rx + ry * ry, c.h)
+                        r2 = rx * rx + ry * ry
+                        F = kernel_f(kernel, r2, c.h)
+                        div_r -= b[4, k] * F * r2
                         div += velocity_divergence(b[4, k], rx, ry, ua - b[2, k], va - b[3, k], F)
                         if transported:
                             p_ab = p_a - b[8, k]
@@ -50,5 +58,8 @@ def make_rates(kernel: int, transported: bool):
                             p_rate += pressure_diffusion(b[4, k], p_ab, rx, ry, rho_gx, rho_gy, c.nu_edac, F)
                     R[DRHO, a] = rho_a * div + rho_transport
                     R[DP, a] = rho_a * c.c0 * c.c0 * div + p_rate
+                    if div_r < ISOLATED:
+                        R[DRHO, a] -= FORGETTING * c.c0 / c.h * min(0.0, rho_a - c.rho0)
+                        R[DP, a] -= FORGETTING * c.c0 / c.h * min(0.0, p_a)
 
     return rates
