@@ -18,7 +18,7 @@ _TIME_ROUNDING = 1e-9  # of an interval's length, within which a history that en
 def statistic(name: str, time: np.ndarray, value: np.ndarray, between: Interval | None = None) -> float | None:
     """One of mean, min, max, final, t_min, t_max, slope over `between` [s] (default: the whole history).
 
-    mean is time-weighted (trapezoidal rule), slope the least-squares line's, t_min and t_max the first times of the
+    mean is time-weighted (trapezoidal rule), slope that of the least-squares line through the points, t_min and t_max the first times of the
     extremes. None if the history does not cover the interval, or has no value in it.
     """
     time, value = finite(time, value)
@@ -27,7 +27,7 @@ def statistic(name: str, time: np.ndarray, value: np.ndarray, between: Interval 
     if between is not None:
         if not covers(time, between):
             return None
-        time, value = _cut(time, value, between)
+        time, value = _cut(time, value, between, with_ends=name != "slope")
     return _STATISTICS[name](time, value)
 
 
@@ -49,10 +49,16 @@ def finite(time: np.ndarray, value: np.ndarray) -> tuple[np.ndarray, np.ndarray]
     return time[good], value[good]
 
 
-def _cut(time: np.ndarray, value: np.ndarray, between: Interval) -> tuple[np.ndarray, np.ndarray]:
-    """The part of a history in the interval, its ends interpolated."""
+def _cut(time: np.ndarray, value: np.ndarray, between: Interval, with_ends: bool):
+    """The part of a history in the interval; with its ends interpolated, or of its own points alone.
+
+    A line is fitted to what was measured: interpolated ends would count twice where points are few.
+    """
     lower, upper = between
     inside = (time > lower) & (time < upper)
+    if not with_ends and np.count_nonzero(inside) > 1:
+        inside |= (time == lower) | (time == upper)
+        return time[inside], value[inside]
     ends = np.interp([lower, upper], time, value)
     times = np.concatenate([[lower], time[inside], [upper]])
     return times, np.concatenate([ends[:1], value[inside], ends[1:]])

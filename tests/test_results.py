@@ -114,6 +114,15 @@ def test_a_straight_line_has_its_own_slope_and_mean(slope, offset, times, ends):
     assert statistic("final", time, value, (lower, upper)) == pytest.approx(offset + slope * upper, abs=1e-9)
 
 
+def test_slope_of_few_measured_points_is_that_of_their_line():
+    """Martin & Moyce's front (a = 2.25 in) over 1.5 < T < 4: three points inside, two just outside."""
+    time = np.array([0.832, 1.219, 1.997, 2.547, 3.345, 4.034, 4.418])
+    front = np.array([1.217, 1.474, 2.292, 2.995, 4.134, 4.944, 5.881])
+    expected = np.polyfit(time[2:5], front[2:5], 1)[0]
+    assert statistic("slope", time, front, (1.5, 4.0)) == pytest.approx(expected, rel=1e-12)
+    assert statistic("slope", time, front, (2.0, 2.5)) == pytest.approx((2.995 - 2.292) / (2.547 - 1.997))
+
+
 def test_intervals_that_are_not_covered_have_no_statistic():
     time, value = np.array([0.0, 0.5, 1.0]), np.array([1.0, 2.0, 3.0])
     assert statistic("max", time, value, (0.2, 1.0)) == 3.0
