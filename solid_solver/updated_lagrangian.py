@@ -23,12 +23,12 @@ from solid_solver.clamps import fixed_particles
 from solid_solver.interface import damped_kick, describe, kinematics_over_window, lame, wave_speed
 from solid_solver.loads import scheduled_loads
 from solid_solver.probes import solid_probes
-from solid_solver.shifting import NEEDED, shift
+from solid_solver.shifting import NEEDED, shift, short_range
 from solid_solver.stresses import stress_fields
-from solid_solver.updated_sweeps import extreme_state, moved_too_far, steps
+from solid_solver.updated_sweeps import extreme_density, moved_too_far, nearest_distances, steps
 
-COURANT = 0.4
-"""Default step over dx/c_p."""
+COURANT = 0.6
+"""Default step over dx/c_p: 1.0 still runs the clamped beam at α = 1 and ν = 0 … 0.4."""
 
 SKIN = 0.6
 """Width of the neighbour list's skin over the spacing: half of it may be walked before the list is made anew."""
@@ -57,21 +57,26 @@ class UpdatedLagrangian:
         sizes = [len(b.position) for b in self._bodies]
         self._body = np.repeat(np.tile(np.arange(len(sizes)), 2), [*sizes, *(len(p) for p, _ in fixed)])
         self._spacing = np.array([b.spacing.min() for b in self._bodies])[self._body]
+        if not beyond:
+            self._spacing[self._free :] *= 0.5  # the outermost particles stand half a spacing from the face
         self._h = solid.h_over_dx * max(math.sqrt(b.cell) for b in self._bodies)
         areas = [np.full(n, b.cell) for n, b in zip(sizes, self._bodies, strict=True)]
         self._mass = solid.density * np.concatenate([*areas, *(area for _, area in fixed)])
-        self._x = np.concatenate([self._reference, *(points for points, _ in fixed)])
-        count = len(self._x)
-        self._u, self._a = np.zeros((count, 2)), np.zeros((self._free, 2))
-        self._u[: self._free] = np.repeat([b.shape.velocity for b in self._bodies], sizes, axis=0)
-        self._rho, self._stress = np.full(count, solid.density), np.zeros((count, 4))
-        self._offset = np.zeros((count, 2))
-        self._sums = np.zeros((count, 4)), np.tile([1.0, 0.0, 0.0, 1.0], (count, 1)), np.zeros((count, 4))
-        self._nearest = self._spacing[: self._free].copy()
+        self._x = np.ascontiguousarray(np.concatenate([self._reference, *(points for points, _ in fixed)]).T)
+        count = self._x.shape[1]
+        self._u, self._a = np.zeros((2, count)), np.zeros((2, self._free))
+        self._u[:, : self._free] = np.repeat([b.shape.velocity for b in self._bodies], sizes, axis=0).T
+        self._volume = self._mass / solid.density
+        self._rho, self._stress = np.full(count, solid.density), np.zeros((4, count))
+        self._offset = np.zeros((2, count))
+        self._sums = np.zeros((4, count)), np.outer([1.0, 0.0, 0.0, 1.0], np.ones(count)), np.zeros((4, count))
+        self._crowding, self._nearest = np.zeros(self._free), np.zeros(self._free)
         self._loads = scheduled_loads(scene, self._bodies)
+        self._ramped = np.ascontiguousarray(self._loads.ramped.transpose(0, 2, 1))
         self._probes = solid_probes(scene, self._bodies)
         self._time, self._steps = 0.0, 0
         self._find_neighbours(self._x)
+        self._survey()
 
     # ---- the contract -----------------------------------------------------------------------------------------
 
@@ -79,15 +84,15 @@ class UpdatedLagrangian:
         return describe(self._scene, self._bodies, self.stable_step())
 
     def begin(self, motion: Kinematics | None) -> Kinematics:
-        velocity = self._u[: self._free].copy()
+        velocity = self._u[:, : self._free].T.copy()
         acceleration = self._loads.at(0.0) - self._scene.solid.damping * velocity
         return Kinematics(self._reference.copy(), velocity, acceleration, velocity.copy(), acceleration.copy())
 
     def stable_step(self) -> float:
         solid = self._scene.solid
         courant = COURANT if solid.courant == "auto" else solid.courant
-        closest = np.min(np.minimum(self._nearest, self._spacing[: self._free]))
-        return courant * float(closest) / wave_speed(solid)
+        closest = min(1.0, float(self._nearest.min())) * float(self._spacing[: self._free].min())
+        return courant * closest / wave_speed(solid)
 
     def advance(self, t0: float, t1: float, substeps: int, boundary: Exchange | None) -> Kinematics:
         numba.set_num_threads(self._threads)
@@ -97,18 +102,19 @@ class UpdatedLagrangian:
         if isinstance(boundary, Loads):
             steady = steady + boundary.force / self._mass[: self._free, None]
         start = self._tracers()
-        self._take_steps((steady, self._loads.ramped, shares), substeps, dt)
+        self._take_steps((np.ascontiguousarray(steady.T), self._ramped, shares), substeps, dt)
         self._steps += substeps
         self._time = t1
+        self._survey()
         end = self._tracers()
-        damping = self._scene.solid.damping * self._u[: self._free]
-        total = self._a + steady + np.tensordot(shares[-1], self._loads.ramped, axes=1) - damping
+        damping = self._scene.solid.damping * self._u[:, : self._free].T
+        total = self._a.T + steady + np.tensordot(shares[-1], self._loads.ramped, axes=1) - damping
         return kinematics_over_window(start, end, total, t1 - t0)
 
     def state(self) -> dict[str, np.ndarray]:
         return {
             "position": self._x, "velocity": self._u, "acceleration": self._a, "density": self._rho, "stress": self._stress,
-            "offset": self._offset, "gradient": self._sums[0], "correction": self._sums[1], "nearest": self._nearest,
+            "offset": self._offset, "gradient": self._sums[0], "correction": self._sums[1],
             "listed_at": self._built, "time": np.array([self._time]),
         }  # fmt: skip
 
@@ -116,16 +122,18 @@ class UpdatedLagrangian:
         for name, array in self.state().items():
             array[...] = state[name]
         self._time = float(state["time"][0])
+        np.divide(self._mass, self._rho, out=self._volume)
         self._find_neighbours(state["listed_at"])
+        self._survey()
 
     def check(self) -> None:
         density = self._scene.solid.density
-        low, high, _, where = extreme_state(self._rho, self._stress, self._nearest)
-        gap = self._nearest / self._spacing[: self._free]
+        low, high, lowest, highest = extreme_density(self._rho, self._stress)
+        gap = self._nearest
         if math.isnan(low):
-            what, particle = "the state is not finite", where[0]
+            what, particle = "the state is not finite", lowest
         elif low < density / DENSITY_RANGE or high > density * DENSITY_RANGE:
-            particle = where[0] if low < density / DENSITY_RANGE else where[1]
+            particle = lowest if low < density / DENSITY_RANGE else highest
             what = f"the density is {self._rho[particle]:.3g} kg/m³"
         elif gap.max() > FRACTURE_GAP:
             particle = int(np.argmax(gap))
@@ -147,15 +155,15 @@ class UpdatedLagrangian:
         free, solid = self._free, self._scene.solid
         lam, mu = lame(solid)
         pressure = (lam + 2.0 * mu / 3.0) / solid.density * (self._rho[:free] - solid.density)
-        xx, xy, yy, zz = self._stress[:free].T
+        xx, xy, yy, zz = self._stress[:, :free]
         position, velocity = self._tracers()
         fields = {"displacement": position - self._reference, "velocity": velocity, "density": self._rho[:free].copy()}
         return Frame(
-            self._x[:free].copy(), fields | stress_fields(xx - pressure, yy - pressure, zz - pressure, xy.copy())
+            self._x[:, :free].T.copy(), fields | stress_fields(xx - pressure, yy - pressure, zz - pressure, xy.copy())
         )
 
     def particles(self) -> int:
-        return len(self._x)
+        return self._x.shape[1]
 
     def steps(self) -> int:
         return self._steps
@@ -165,21 +173,25 @@ class UpdatedLagrangian:
     def _tracers(self) -> tuple[np.ndarray, np.ndarray]:
         """Position and velocity (free, 2) of the material tracers."""
         free = self._free
-        e, g = self._offset[:free], self._sums[0][:free]
-        correction = np.stack([g[:, 0] * e[:, 0] + g[:, 1] * e[:, 1], g[:, 2] * e[:, 0] + g[:, 3] * e[:, 1]], axis=1)
-        return self._x[:free] + e, self._u[:free] + correction
+        e, g = self._offset[:, :free], self._sums[0][:, :free]
+        across = np.stack([g[0] * e[0] + g[1] * e[1], g[2] * e[0] + g[3] * e[1]])
+        return (self._x[:, :free] + e).T.copy(), (self._u[:, :free] + across).T.copy()
 
     def _find_neighbours(self, at: np.ndarray) -> None:
-        """Make the neighbour list (first, neighbour) for positions `at` (n, 2), pairs of one body only, sorted."""
-        skin = SKIN * float(self._spacing.min())
-        pairs = cKDTree(at).query_pairs(self._kernel.support * self._h + skin, output_type="ndarray")
+        """Make the neighbour list (first, neighbour) for positions `at` (2, n), pairs of one body only, sorted."""
+        skin = SKIN * min(float(b.spacing.min()) for b in self._bodies)
+        pairs = cKDTree(at.T).query_pairs(self._kernel.support * self._h + skin, output_type="ndarray")
         pairs = pairs[self._body[pairs[:, 0]] == self._body[pairs[:, 1]]]
         a, b = np.concatenate([pairs, pairs[:, ::-1]]).T
         order = np.lexsort((b, a))
-        self._neighbour = b[order].astype(np.int32)
-        self._first = np.concatenate([[0], np.cumsum(np.bincount(a, minlength=len(at)))])
+        self._neighbour = b[order].astype(np.uint32)
+        self._first = np.concatenate([[0], np.cumsum(np.bincount(a, minlength=at.shape[1]))])
         self._built = at.copy()
         self._allowed = 0.5 * skin
+
+    def _survey(self) -> None:
+        """Note how close the particles are."""
+        nearest_distances(self._x, self._first, self._neighbour, self._spacing, self._nearest)
 
     def _take_steps(self, loads: tuple, substeps: int, dt: float) -> None:
         """Advance by all sub-steps, making neighbour lists and shifting in between as needed."""
@@ -187,19 +199,19 @@ class UpdatedLagrangian:
         lam, mu = lame(solid)
         c_squared = (lam + 2.0 * mu / 3.0) / solid.density
         viscosity = solid.alpha * self._h * math.sqrt(c_squared)
-        close = NEEDED * self._spacing[: self._free] if solid.shifting else np.zeros(self._free)
+        crowded = short_range(NEEDED) if solid.shifting else math.inf
         numbers = dt, viscosity, (mu, c_squared, solid.density), solid.gradient == "linear"
         done = 0
         while done < substeps:
             if moved_too_far(self._x, self._u, self._built, self._allowed, dt):
                 self._find_neighbours(self._x)
             done, due = steps(
-                (self._x, self._u, self._a), (self._mass, self._rho, self._stress, self._offset), (*self._sums, self._nearest),
+                (self._x, self._u, self._a), (self._mass, self._volume, self._rho, self._stress, self._offset), (*self._sums, self._crowding),
                 (self._first, self._neighbour, self._built, self._allowed), (self._kernel.code, self._h), loads,
-                damped_kick(solid.damping, 0.5 * dt), (*numbers, done, close),
+                damped_kick(solid.damping, 0.5 * dt), (*numbers, done, self._spacing, crowded),
             )  # fmt: skip
             if due:
                 shift(
-                    self._x, self._u, self._rho, self._stress, self._offset, self._mass, self._sums[1], self._spacing,
+                    self._x, self._u, self._mass, self._volume, self._rho, self._stress, self._offset, self._sums[1], self._spacing,
                     self._free, self._first, self._neighbour, self._kernel.code, self._h,
                 )  # fmt: skip

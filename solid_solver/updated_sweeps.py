@@ -21,23 +21,26 @@ from numba import prange
 
 from shared.jit import njit, parallel_njit
 from shared.kernels import kernel_f
+from solid_solver.shifting import short_range
 
 _SINGULAR = 1.0e-3
 """Determinant of Σ V r ⊗ ∇W (1 in a full neighbourhood) below which a particle's gradient stays uncorrected."""
 
 
 @parallel_njit
-def velocity_gradients(x, u, mass, rho, first, neighbour, code, h, corrected, gradient, correction):
-    """∇u into `gradient` (n, 4: xx, xy, yx, yy = ∂_j u_i row by row) and B into `correction` (n, 4)."""
+def velocity_gradients(x, u, volume, first, neighbour, code, h, corrected, gradient, correction):
+    """∇u into `gradient` (4, n: xx, xy, yx, yy; ∂_j u_i row by row) and B into `correction` (4, n)."""
+    px, py, ux, uy = x[0], x[1], u[0], u[1]
     for a in prange(first.size - 1):
         g00 = g01 = g10 = g11 = 0.0
         m00 = m01 = m10 = m11 = 0.0
+        x0, x1, u0, u1 = px[a], py[a], ux[a], uy[a]
         for k in range(first[a], first[a + 1]):
             b = neighbour[k]
-            r0, r1 = x[a, 0] - x[b, 0], x[a, 1] - x[b, 1]
-            f = kernel_f(code, r0 * r0 + r1 * r1, h) * mass[b] / rho[b]
+            r0, r1 = x0 - px[b], x1 - py[b]
+            f = kernel_f(code, r0 * r0 + r1 * r1, h) * volume[b]
             w0, w1 = f * r0, f * r1
-            du, dv = u[b, 0] - u[a, 0], u[b, 1] - u[a, 1]
+            du, dv = ux[b] - u0, uy[b] - u1
             g00 += du * w0
             g01 += du * w1
             g10 += dv * w0
@@ -48,15 +51,15 @@ def velocity_gradients(x, u, mass, rho, first, neighbour, code, h, corrected, gr
             m11 -= r1 * w1
         det = m00 * m11 - m01 * m10
         if corrected and det > _SINGULAR:
-            # rows of M are (x_b − x_a)_i; ∇f = raw · M⁻¹ makes linear fields exact
+            # Σ V (f_b − f_a) ∇W = ∇f · M for linear f: the inverse of M makes the gradient exact.
             i00, i01, i10, i11 = m11 / det, -m01 / det, -m10 / det, m00 / det
         else:
             i00, i01, i10, i11 = 1.0, 0.0, 0.0, 1.0
-        gradient[a, 0] = g00 * i00 + g01 * i10
-        gradient[a, 1] = g00 * i01 + g01 * i11
-        gradient[a, 2] = g10 * i00 + g11 * i10
-        gradient[a, 3] = g10 * i01 + g11 * i11
-        correction[a, 0], correction[a, 1], correction[a, 2], correction[a, 3] = i00, i01, i10, i11
+        gradient[0, a] = g00 * i00 + g01 * i10
+        gradient[1, a] = g00 * i01 + g01 * i11
+        gradient[2, a] = g10 * i00 + g11 * i10
+        gradient[3, a] = g10 * i01 + g11 * i11
+        correction[0, a], correction[1, a], correction[2, a], correction[3, a] = i00, i01, i10, i11
 
 
 @njit
@@ -93,47 +96,65 @@ def carried(offset, gradient, dt):
 
 
 @parallel_njit
-def update_material(rho, stress, offset, gradient, correction, flux, material, dt):
-    """ρ, S and tracer offsets over `dt` from ∇u, then σB/ρ² into `flux` (n, 4). `material`: G, c², ρ0."""
+def update_material(mass, volume, rho, stress, offset, gradient, correction, flux, material, dt):
+    """ρ, V, S and tracer offsets over `dt` from ∇u, then σB/ρ² into `flux` (4, n). `material`: G, c², ρ0."""
     shear_modulus, c_squared, rho0 = material
     for a in prange(rho.size):
-        half = 0.5 * dt * (gradient[a, 0] + gradient[a, 3])
+        grad = (gradient[0, a], gradient[1, a], gradient[2, a], gradient[3, a])
+        half = 0.5 * dt * (grad[0] + grad[3])
         rho[a] *= (1.0 - half) / (1.0 + half)
-        stress[a, 0], stress[a, 1], stress[a, 2], stress[a, 3] = turned_stress(
-            stress[a], gradient[a], shear_modulus, dt
-        )
-        offset[a, 0], offset[a, 1] = carried(offset[a], gradient[a], dt)
+        volume[a] = mass[a] / rho[a]
+        s = turned_stress((stress[0, a], stress[1, a], stress[2, a], stress[3, a]), grad, shear_modulus, dt)
+        stress[0, a], stress[1, a], stress[2, a], stress[3, a] = s
+        offset[0, a], offset[1, a] = carried((offset[0, a], offset[1, a]), grad, dt)
         pressure = c_squared * (rho[a] - rho0)
-        xx, xy, yy = stress[a, 0] - pressure, stress[a, 1], stress[a, 2] - pressure
         per = 1.0 / (rho[a] * rho[a])
-        i00, i01, i10, i11 = correction[a, 0], correction[a, 1], correction[a, 2], correction[a, 3]
-        flux[a, 0] = per * (xx * i00 + xy * i01)
-        flux[a, 1] = per * (xx * i10 + xy * i11)
-        flux[a, 2] = per * (xy * i00 + yy * i01)
-        flux[a, 3] = per * (xy * i10 + yy * i11)
+        xx, xy, yy = per * (s[0] - pressure), per * s[1], per * (s[2] - pressure)
+        i00, i01, i10, i11 = correction[0, a], correction[1, a], correction[2, a], correction[3, a]
+        flux[0, a] = xx * i00 + xy * i01
+        flux[1, a] = xx * i10 + xy * i11
+        flux[2, a] = xy * i00 + yy * i01
+        flux[3, a] = xy * i10 + yy * i11
 
 
 @parallel_njit
-def accelerations(x, u, mass, rho, flux, first, neighbour, code, h, viscosity, free, a_out, nearest):
-    """du/dt by stress and artificial viscosity of the first `free` particles into `a_out` (free, 2).
+def accelerations(x, u, mass, volume, flux, first, neighbour, code, h, viscosity, spacing, a_out, crowding):
+    """du/dt by stress and artificial viscosity of the free particles into `a_out` (2, free).
 
-    `viscosity`: α h c [m²/s]; `nearest` (n,): distance to the closest particle [m].
+    `viscosity`: α h c [m²/s]; `crowding` (free,): Σ w(r/s), see shifting.py; `spacing` (n,) [m].
     """
-    for a in prange(free):
-        f0 = f1 = 0.0
+    px, py, ux, uy = x[0], x[1], u[0], u[1]
+    t00, t01, t10, t11 = flux[0], flux[1], flux[2], flux[3]
+    for a in prange(crowding.size):
+        f0 = f1 = crowd = 0.0
+        x0, x1, u0, u1 = px[a], py[a], ux[a], uy[a]
+        s00, s01, s10, s11 = t00[a], t01[a], t10[a], t11[a]
+        half_density = 0.5 * mass[a] / volume[a]
+        for k in range(first[a], first[a + 1]):
+            b = neighbour[k]
+            r0, r1 = x0 - px[b], x1 - py[b]
+            r2 = r0 * r0 + r1 * r1
+            m, v = mass[b], volume[b]
+            f = kernel_f(code, r2, h) * m
+            w0, w1 = f * r0, f * r1
+            approach = min(0.0, (u0 - ux[b]) * r0 + (u1 - uy[b]) * r1)
+            pi = -viscosity * approach * v / ((r2 + 0.01 * h * h) * (half_density * v + 0.5 * m))
+            f0 += (s00 + t00[b] - pi) * w0 + (s01 + t01[b]) * w1
+            f1 += (s10 + t10[b]) * w0 + (s11 + t11[b] - pi) * w1
+            crowd += short_range(math.sqrt(r2) / spacing[b])
+        a_out[0, a], a_out[1, a] = f0, f1
+        crowding[a] = crowd
+
+
+@parallel_njit
+def nearest_distances(x, first, neighbour, spacing, nearest):
+    """Smallest r/s over the neighbours of each of the free particles into `nearest` (free,); `spacing`: s by neighbour."""
+    for a in prange(nearest.size):
         closest = math.inf
         for k in range(first[a], first[a + 1]):
             b = neighbour[k]
-            r0, r1 = x[a, 0] - x[b, 0], x[a, 1] - x[b, 1]
-            r2 = r0 * r0 + r1 * r1
-            f = kernel_f(code, r2, h) * mass[b]
-            w0, w1 = f * r0, f * r1
-            phi = ((u[a, 0] - u[b, 0]) * r0 + (u[a, 1] - u[b, 1]) * r1) / (r2 + 0.01 * h * h)
-            pi = -viscosity * min(phi, 0.0) * 2.0 / (rho[a] + rho[b])
-            f0 += (flux[a, 0] + flux[b, 0] - pi) * w0 + (flux[a, 1] + flux[b, 1]) * w1
-            f1 += (flux[a, 2] + flux[b, 2]) * w0 + (flux[a, 3] + flux[b, 3] - pi) * w1
-            closest = min(closest, r2)
-        a_out[a, 0], a_out[a, 1] = f0, f1
+            r2 = (x[0, a] - x[0, b]) ** 2 + (x[1, a] - x[1, b]) ** 2
+            closest = min(closest, r2 / (spacing[b] * spacing[b]))
         nearest[a] = math.sqrt(closest)
 
 
@@ -141,59 +162,55 @@ def accelerations(x, u, mass, rho, flux, first, neighbour, code, h, viscosity, f
 def moved_too_far(x, u, built, allowed, dt):
     """Whether a particle may be farther than `allowed` [m] from where the neighbour list saw it after one more step."""
     worst = 0.0
-    for a in range(u.shape[0]):
-        d0, d1 = x[a, 0] - built[a, 0], x[a, 1] - built[a, 1]
-        distance = math.sqrt(d0 * d0 + d1 * d1) + dt * math.sqrt(u[a, 0] * u[a, 0] + u[a, 1] * u[a, 1])
+    for a in range(u.shape[1]):
+        d0, d1 = x[0, a] - built[0, a], x[1, a] - built[1, a]
+        distance = math.sqrt(d0 * d0 + d1 * d1) + dt * math.sqrt(u[0, a] * u[0, a] + u[1, a] * u[1, a])
         worst = max(worst, distance)
     return worst > allowed
 
 
 @njit
-def kicked(u, a, load, ramped, share, kick, free):
-    """u ← e u + τφ (a + loads) for the first `free` particles; `kick`: (e, τφ)."""
-    for p in range(free):
-        for i in range(2):
-            total = a[p, i] + load[p, i]
+def kicked(u, a, load, ramped, share, kick):
+    """u ← e u + τφ (a + loads) for the free particles; `kick`: (e, τφ)."""
+    for i in range(2):
+        for p in range(a.shape[1]):
+            total = a[i, p] + load[i, p]
             for g in range(share.size):
-                total += share[g] * ramped[g, p, i]
-            u[p, i] = kick[0] * u[p, i] + kick[1] * total
+                total += share[g] * ramped[g, i, p]
+            u[i, p] = kick[0] * u[i, p] + kick[1] * total
 
 
 @njit
 def drifted(x, u, tau, free):
     """x ← x + τ u for the first `free` particles."""
-    for p in range(free):
-        x[p, 0] += tau * u[p, 0]
-        x[p, 1] += tau * u[p, 1]
+    for i in range(2):
+        for p in range(free):
+            x[i, p] += tau * u[i, p]
 
 
 @njit
-def extreme_state(rho, stress, nearest):
-    """Smallest and largest ρ and largest nearest distance, with the particle of each; NaN and its particle if any."""
-    low, high, gap = np.inf, 0.0, 0.0
-    where = np.zeros(3, dtype=np.int64)
+def extreme_density(rho, stress):
+    """Smallest and largest ρ with the particle of each; NaN and its particle if the state is not finite."""
+    low, high, lowest, highest = np.inf, 0.0, 0, 0
     for a in range(rho.size):
-        if not np.isfinite(rho[a] + stress[a, 0] + stress[a, 1] + stress[a, 2]):
-            where[:] = a
-            return math.nan, math.nan, math.nan, where
+        if not np.isfinite(rho[a] + stress[0, a] + stress[1, a] + stress[2, a]):
+            return math.nan, math.nan, a, a
         if rho[a] < low:
-            low, where[0] = rho[a], a
+            low, lowest = rho[a], a
         if rho[a] > high:
-            high, where[1] = rho[a], a
-    for a in range(nearest.size):
-        if nearest[a] > gap:
-            gap, where[2] = nearest[a], a
-    return low, high, gap, where
+            high, highest = rho[a], a
+    return low, high, lowest, highest
 
 
 @njit
 def steps(now, material_state, sums, pairs, kernel, loads, kicks, numbers):
     """Take steps until `kicks` is used up, the neighbour list is outgrown, or shifting is due.
 
-    `now`: x (n, 2), u (n, 2), a (free, 2); `material_state`: mass, ρ, S, tracer offsets; `sums`: ∇u, B, σB/ρ²,
-    nearest distance; `pairs`: first, neighbour, positions at the list's making, allowed displacement; `kernel`:
-    code, h; `loads`: steady (free, 2), ramped (g, free, 2), shares (steps + 1, g); `kicks`: (e, τφ) of half a step;
-    `numbers`: dt, α h c, (G, c², ρ0), corrected, first step to take, distance that calls for shifting (n,).
+    `now`: x (2, n), u (2, n), a (2, free); `material_state`: m, V, ρ, S, tracer offsets; `sums`: ∇u, B, σB/ρ²,
+    crowding; `pairs`: first, neighbour, positions at the list's making, allowed displacement; `kernel`:
+    code, h; `loads`: steady (2, free), ramped (g, 2, free), shares (steps + 1, g); `kicks`: (e, τφ) of half a step;
+    `numbers`: dt, α h c, (G, c², ρ0), corrected, first step to take, spacings (n,), crowding that calls for
+    shifting.
     Returns the number of the next step and whether shifting is due. One step:
 
         1. u ← half a kick under the loads at its start     2. x ← x + ½ Δt u
@@ -201,23 +218,23 @@ def steps(now, material_state, sums, pairs, kernel, loads, kicks, numbers):
         5. accelerations there                              6. u ← half a kick under the loads at its end
     """
     x, u, a = now
-    mass, rho, stress, offset = material_state
-    gradient, correction, flux, nearest = sums
+    mass, volume, rho, stress, offset = material_state
+    gradient, correction, flux, crowding = sums
     first, neighbour, built, allowed = pairs
     code, h = kernel
     steady, ramped, shares = loads
-    dt, viscosity, material, corrected, begin, close = numbers
-    free = a.shape[0]
+    dt, viscosity, material, corrected, begin, spacing, crowded = numbers
+    free = a.shape[1]
     for n in range(begin, shares.shape[0] - 1):
         if n > begin and moved_too_far(x, u, built, allowed, dt):
             return n, False
-        kicked(u, a, steady, ramped, shares[n], kicks, free)
+        kicked(u, a, steady, ramped, shares[n], kicks)
         drifted(x, u, 0.5 * dt, free)
-        velocity_gradients(x, u, mass, rho, first, neighbour, code, h, corrected, gradient, correction)
-        update_material(rho, stress, offset, gradient, correction, flux, material, dt)
+        velocity_gradients(x, u, volume, first, neighbour, code, h, corrected, gradient, correction)
+        update_material(mass, volume, rho, stress, offset, gradient, correction, flux, material, dt)
         drifted(x, u, 0.5 * dt, free)
-        accelerations(x, u, mass, rho, flux, first, neighbour, code, h, viscosity, free, a, nearest)
-        kicked(u, a, steady, ramped, shares[n + 1], kicks, free)
-        if np.any(nearest < close):
+        accelerations(x, u, mass, volume, flux, first, neighbour, code, h, viscosity, spacing, a, crowding)
+        kicked(u, a, steady, ramped, shares[n + 1], kicks)
+        if np.any(crowding > crowded):
             return n + 1, True
     return shares.shape[0] - 1, False
