@@ -56,8 +56,8 @@ def check(store, c) -> None:
         speed = float(np.hypot(store.S[U, i], store.S[V, i]))
         raise SolverFailed(
             f"the density of {found} fluid particles is more than {LARGEST_COMPRESSION:.0%} off {c.rho0:g} kg/m³, "
-            f"worst {store.S[RHO, i]:.4g} kg/m³ of {_place(store, i)} (speed {speed:.3g} m/s, sound speed {c.c0:.3g} m/s): "
-            f"the fluid is not weakly compressible any more. Raise fluid.sound_speed if the speed is real, lower "
+            f"worst {store.S[RHO, i]:.4g} kg/m³ of {_place(store, i)} (speed {speed:.3g} m/s, sound speed "
+            f"{c.c0:.3g} m/s): the fluid is not weakly compressible any more. Raise fluid.sound_speed if the speed is real, lower "
             f"fluid.courant if it is not."
         )
 

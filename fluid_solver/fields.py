@@ -26,5 +26,5 @@ STRUCTURE = 3  # ghost of a solid body
 PARKED = 4  # fluid that left the domain, out of every loop
 
 # Rows of the work array `R` (WORK_ROWS, n): results of a sweep that neighbours must not see yet.
-DRHO, DP, NEW_NX, NEW_NY = 0, 1, 2, 3
-WORK_ROWS = 4
+DP, NEW_NX, NEW_NY = 0, 1, 2
+WORK_ROWS = 3

@@ -71,7 +71,7 @@ def make_forces(kernel: int, viscous: bool, shifting: bool):
                         rx = xa - b[0, k]
                         ry = ya - b[1, k]
                         r2 = rx * rx + ry * ry
-                        F = kernel_f(kernel, r2, c.h)
+                        F = c.gradient * kernel_f(kernel, r2, c.h)
                         gux = guy = 0.0
                         if viscous or shifting:
                             gux = ua - b[8, k]

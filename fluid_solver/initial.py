@@ -75,9 +75,7 @@ def fluid_particles(scene: Scene, c0: float) -> FluidParticles:
         lattice = fill(body, fluid.dx)
         n = len(lattice.position)
         if n == 0:
-            raise BadInput(
-                f"fluid body {body.name!r} holds no particle at fluid.dx = {fluid.dx:g} m: make dx smaller than the body."
-            )
+            raise BadInput(f"fluid body {body.name!r} holds no particle at fluid.dx = {fluid.dx:g} m: make dx smaller.")
         position, pressure = lattice.position, np.zeros(n)
         if fluid.initial_pressure == "hydrostatic":
             position, pressure = settle(body, position, np.asarray(scene.gravity), c0, fluid.density)

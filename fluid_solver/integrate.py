@@ -12,7 +12,6 @@ from fluid_solver.fields import (
     AX,
     AY,
     DP,
-    DRHO,
     FLUID,
     GX,
     GY,
@@ -61,13 +60,13 @@ def kick_and_drift(S, kind, count, dt, speeds):
 
 
 @parallel_njit
-def advance_and_drift(S, kind, count, dt, edac, c, R):
-    """ρ and p a full step on, p by EDAC or p = c²(ρ − ρ0); then x += (u + δu) dt/2."""
+def advance_and_drift(S, kind, count, dt, c, R):
+    """p a full step on, and with it ρ = ρ0 + p/c²; then x += (u + δu) dt/2."""
     for block in numba.prange((count + BLOCK - 1) // BLOCK):
         for i in range(block * BLOCK, min(block * BLOCK + BLOCK, count)):
             if kind[i] == FLUID:
-                rho = S[RHO, i] + dt * R[DRHO, i]
-                p = S[P, i] + dt * R[DP, i] if edac else c.c0 * c.c0 * (rho - c.rho0)
+                p = S[P, i] + dt * R[DP, i]
+                rho = c.rho0 + p / (c.c0 * c.c0)
                 S[RHO, i] = rho
                 S[P, i] = p
                 S[VOL, i] = S[M, i] / rho

@@ -43,11 +43,11 @@ class ParticleFluid:
         kernel = kernel_named(fluid.kernel)
         self.c: Parameters = parameters(scene, kernel, sound_speed(scene))
         self._courant = stable_courant(fluid) if fluid.courant == "auto" else fluid.courant
-        self._edac = fluid.model == "ctvf"
+        self._transported = fluid.model == "ctvf"
         viscous = fluid.viscosity > 0.0
-        self._extended = viscous or self._edac
-        self._rates = make_rates(kernel.code, self._edac)
-        self._forces = make_forces(kernel.code, viscous, self._edac)
+        self._extended = viscous or self._transported
+        self._rates = make_rates(kernel.code, self._transported)
+        self._forces = make_forces(kernel.code, viscous, self._transported)
         self._ghost_sweep = make_ghosts(kernel.code, viscous)
         water = fluid_particles(scene, self.c.c0)
         self.ghosts = lay_ghosts(scene, self.c.support)
@@ -107,7 +107,7 @@ class ParticleFluid:
         store.sort(0.0)
         self._speed = largest(store.S, store.kind, store.count, store.speeds)[0]
         self._accelerate()
-        kick(store.S, store.kind, store.count, 0.0, self._edac, store.work)
+        kick(store.S, store.kind, store.count, 0.0, self._transported, store.work)
         return self._loads(self.force[self._walls :].copy())
 
     def stable_step(self) -> float:
@@ -149,13 +149,13 @@ class ParticleFluid:
         store.sort_if_moved(reach)
         # 4, 5, 6  rates at the middle; ρ and p a full step on; x += (u_half + δu) dt/2; walls and ghosts to the end
         self._rates(store.S, store.start, store.nx, store.edges, store.buffers, c, store.work)
-        advance_and_drift(store.S, store.kind, store.count, dt, self._edac, c, store.work)
+        advance_and_drift(store.S, store.kind, store.count, dt, c, store.work)
         self._place(t0, since + dt, length, boundary)
         store.moved += reach
         # 7, 8  pressures of ghosts, eq. 14; accelerations, shifting and surface at the new positions
         self._accelerate()
         # 9  u = u_half + a dt/2
-        kick(store.S, store.kind, store.count, dt, self._edac, store.work)
+        kick(store.S, store.kind, store.count, dt, self._transported, store.work)
 
     def _accelerate(self) -> None:
         s = self.store
@@ -173,9 +173,8 @@ class ParticleFluid:
             a = boundary.acceleration_mean
             if not self.scene.fluid.structure_acceleration:
                 a = np.zeros_like(a)
-            structure_pose(
-                since / length, length, self._x0, self._v0, boundary.position, boundary.velocity, a, self._pose[self._walls :]
-            )  # fmt: skip
+            end, pose = (boundary.position, boundary.velocity), self._pose[self._walls :]
+            structure_pose(since / length, length, self._x0, self._v0, *end, a, pose)
         s = self.store
         place_ghosts(s.S, s.kind, s.ids, s.count, self._first, self._pose)
 

@@ -13,7 +13,7 @@ EPS = 0.01  # of h²: keeps 1/(r² + EPS h²) finite
 
 @inline_njit
 def velocity_divergence(vol_b, rx, ry, ux, uy, F):
-    """V_b u_ab·∇W: minus the divergence of u [1/s]. dρ/dt = ρ_a Σ of it, and dp/dt of EDAC = ρ_a c² Σ of it."""
+    """V_b u_ab·∇W: minus the divergence of u [1/s]. dρ/dt = ρ_a Σ of it, and dp/dt = ρ_a c² Σ of it."""
     return vol_b * F * (ux * rx + uy * ry)
 
 
@@ -21,8 +21,8 @@ def velocity_divergence(vol_b, rx, ry, ux, uy, F):
 def transport(vol_b, f_ab, rx, ry, dx_b, dy_b, F):
     """−V_b f_ab d_b·∇W = d·∇f: the particle moves with ũ, not u.
 
-    Sum of the printed terms of continuity, ρ_a d_ab − (ρd)_ab, and of EDAC, p_a d_ab − (pd)_ab, rearranged: it does
-    not see a constant added to f.
+    The terms of continuity, ρ_a d_ab − (ρd)_ab, and of EDAC, p_a d_ab − (pd)_ab, rearranged: equal to them, with one
+    product less, and plainly blind to a constant added to f.
     """
     return -vol_b * f_ab * F * (dx_b * rx + dy_b * ry)
 

@@ -70,7 +70,7 @@ def make_ghosts(kernel: int, viscous: bool):
                     for k in range(n):
                         rx = xa - b[0, k]
                         ry = ya - b[1, k]
-                        F = kernel_f(kernel, rx * rx + ry * ry, c.h)
+                        F = c.gradient * kernel_f(kernel, rx * rx + ry * ry, c.h)
                         px, py = pair_force(
                             viscous, rx, ry, ua - b[2, k], va - b[3, k], gxa - b[2, k], gya - b[3, k],
                             b[4, k], b[5, k], b[6, k], friction, pr2_a, inv_rho_a, F, c,
