@@ -38,8 +38,9 @@ def face_points(segments: np.ndarray, axes: np.ndarray, spacing: np.ndarray) -> 
 def fixed_particles(body, clamps: list[Clamp], beyond: float) -> tuple[np.ndarray, np.ndarray]:
     """Fixed particles of a `LatticeBody`: positions (m, 2) [m] and areas (m,) [m²].
 
-    `beyond` = 0: on the clamped faces, half a cell each. Otherwise columns of whole cells continue the lattice
-    behind the faces to a depth of `beyond` spacings.
+    `beyond` = 0: on the clamped faces, a whole cell each (half a cell is softer: 5.3 % too much deflection of the clamped
+    beam at 10 across against 4.2 %). Otherwise columns of cells continue the lattice behind the faces to a depth of
+    `beyond` spacings.
     """
     points, areas = [np.zeros((0, 2))], [np.zeros(0)]
     for clamp in (c for c in clamps if c.body == body.shape.name):
@@ -51,5 +52,5 @@ def fixed_particles(body, clamps: list[Clamp], beyond: float) -> tuple[np.ndarra
             depth = float(np.hypot(*((body.axes @ outward) * body.spacing)))
             for k in range(math.ceil(beyond) or 1):
                 points.append(on_face + ((k + 0.5) * depth if beyond else 0.0) * outward)
-                areas.append(length * depth * (1.0 if beyond else FACE_POINT_WEIGHT))
+                areas.append(length * depth)
     return np.concatenate(points), np.concatenate(areas)

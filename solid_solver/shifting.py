@@ -87,18 +87,21 @@ def field_changes(x, fields, volume, correction, delta, free, first, neighbour, 
                 change[c, a] += weight * (fields[c, b] - fields[c, a])
 
 
-def shift(x, u, mass, volume, rho, stress, offset, correction, spacing, free, first, neighbour, code, h) -> None:
+def shift(
+    x, u, mass, volume, rho, stress, curvature, offset, correction, spacing, free, first, neighbour, code, h
+) -> None:
     """Shift the first `free` particles, in place, and carry their fields along (see the module's text)."""
     delta = np.zeros((2, free))
-    fields = np.empty((7, len(rho)))
-    change = np.empty((7, free))
+    fields = np.empty((9, len(rho)))
+    change = np.empty((9, free))
     for _ in range(ITERATIONS):
         shifts(x, volume, spacing, free, first, neighbour, code, h, delta)
-        fields[:2], fields[2], fields[3:] = u, rho, stress
+        fields[:2], fields[2], fields[3:7], fields[7:] = u, rho, stress, curvature
         field_changes(x, fields, volume, correction, delta, free, first, neighbour, code, h, change)
         x[:, :free] += delta
         offset[:, :free] -= delta
         u[:, :free] += change[:2]
         rho[:free] += change[2]
         volume[:free] = mass[:free] / rho[:free]
-        stress[:, :free] += change[3:]
+        stress[:, :free] += change[3:7]
+        curvature[:, :free] += change[7:]

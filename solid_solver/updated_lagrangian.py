@@ -1,7 +1,7 @@
 """Model `ctvf`: the updated-Lagrangian solid with Jaumann rate and iterative shifting (Adepu & Ramachandran).
 
 The equations are in updated_sweeps.py and shifting.py. Clamped faces carry fixed particles that take part in the stress:
-on the face, with half a cell each, under the corrected gradient; columns that fill the kernel's support
+on the face, with a whole cell each, under the corrected gradient; columns that fill the kernel's support
 beyond the face under the printed one, whose sums need them. What is published are material tracers: each particle carries
 the offset to the material point that it stood on at the start.
 """
@@ -33,6 +33,9 @@ COURANT = 0.6
 SKIN = 0.6
 """Width of the neighbour list's skin over the spacing: half of it may be walked before the list is made anew."""
 
+PARALLEL_FROM = 500
+"""Particles from which a second thread pays."""
+
 FRACTURE_GAP = 2.0
 """Distance to the nearest particle, over the spacing, past which the body has come apart."""
 
@@ -47,7 +50,7 @@ class UpdatedLagrangian:
 
     def __init__(self, scene: Scene, coupled: bool, threads: int):
         solid = scene.solid
-        self._scene, self._coupled, self._threads = scene, coupled, threads
+        self._scene, self._coupled = scene, coupled
         self._bodies = lattice_bodies(scene)
         self._kernel = kernel_named(solid.kernel)
         self._reference = np.concatenate([b.position for b in self._bodies])
@@ -68,12 +71,14 @@ class UpdatedLagrangian:
         self._u[:, : self._free] = np.repeat([b.shape.velocity for b in self._bodies], sizes, axis=0).T
         self._volume = self._mass / solid.density
         self._rho, self._stress = np.full(count, solid.density), np.zeros((4, count))
+        self._curvature = np.zeros((2, count))
         self._offset = np.zeros((2, count))
-        self._sums = np.zeros((4, count)), np.outer([1.0, 0.0, 0.0, 1.0], np.ones(count)), np.zeros((4, count))
+        self._sums = np.zeros((6, count)), np.zeros((7, count)), np.zeros((6, count))  # derivatives, correction, flux
         self._crowding, self._nearest = np.zeros(self._free), np.zeros(self._free)
         self._loads = scheduled_loads(scene, self._bodies)
         self._ramped = np.ascontiguousarray(self._loads.ramped.transpose(0, 2, 1))
         self._probes = solid_probes(scene, self._bodies)
+        self._threads = threads if count >= PARALLEL_FROM else 1
         self._time, self._steps = 0.0, 0
         self._find_neighbours(self._x)
         self._survey()
@@ -114,7 +119,7 @@ class UpdatedLagrangian:
     def state(self) -> dict[str, np.ndarray]:
         return {
             "position": self._x, "velocity": self._u, "acceleration": self._a, "density": self._rho, "stress": self._stress,
-            "offset": self._offset, "gradient": self._sums[0], "correction": self._sums[1],
+            "curvature_stress": self._curvature, "offset": self._offset, "derivatives": self._sums[0], "correction": self._sums[1],
             "listed_at": self._built, "time": np.array([self._time]),
         }  # fmt: skip
 
@@ -200,18 +205,21 @@ class UpdatedLagrangian:
         c_squared = (lam + 2.0 * mu / 3.0) / solid.density
         viscosity = solid.alpha * self._h * math.sqrt(c_squared)
         crowded = short_range(NEEDED) if solid.shifting else math.inf
-        numbers = dt, viscosity, (mu, c_squared, solid.density), solid.gradient == "linear"
+        corrected = solid.gradient == "linear"
+        bending = solid.youngs_modulus / (1.0 - solid.poisson_ratio**2) if corrected else 0.0
+        numbers = dt, viscosity, (mu, c_squared, solid.density, bending), corrected
         done = 0
         while done < substeps:
             if moved_too_far(self._x, self._u, self._built, self._allowed, dt):
                 self._find_neighbours(self._x)
             done, due = steps(
-                (self._x, self._u, self._a), (self._mass, self._volume, self._rho, self._stress, self._offset), (*self._sums, self._crowding),
+                (self._x, self._u, self._a), (self._mass, self._volume, self._rho, self._stress, self._curvature, self._offset), (*self._sums, self._crowding),
                 (self._first, self._neighbour, self._built, self._allowed), (self._kernel.code, self._h), loads,
                 damped_kick(solid.damping, 0.5 * dt), (*numbers, done, self._spacing, crowded),
             )  # fmt: skip
             if due:
                 shift(
-                    self._x, self._u, self._mass, self._volume, self._rho, self._stress, self._offset, self._sums[1], self._spacing,
+                    self._x, self._u, self._mass, self._volume, self._rho, self._stress, self._curvature, self._offset, self._sums[1],
+                    self._spacing,
                     self._free, self._first, self._neighbour, self._kernel.code, self._h,
                 )  # fmt: skip

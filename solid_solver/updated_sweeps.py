@@ -1,15 +1,15 @@
-"""Compiled sweeps of the updated-Lagrangian solid: velocity gradient, rates of density and stress, forces.
+"""Compiled sweeps of the updated-Lagrangian solid: velocity derivatives and forces.
 
 Symbols as in the paper of Adepu & Ramachandran (CTVF): u velocity, ρ, p pressure, S deviatoric stress (xx, xy, yy, zz),
-m mass, V = m/ρ, W kernel, f_ab = f_a − f_b, r_ab = x_a − x_b, ε̇ and Ω symmetric and skew part of ∇u.
+m mass, V = m/ρ, W kernel, ∇W = F r_ab, r_ab = x_a − x_b, ε̇ and Ω symmetric and skew part of ∇u.
 
-    (∇u)_a = Σ_b V_b (u_b − u_a) ⊗ B_a ∇W_ab,   B_a = (Σ_b V_b (x_b − x_a) ⊗ ∇W_ab)⁻ᵀ        (linear) or I (printed)
-    dρ/dt = −ρ ∇·u,   dS/dt = 2G (ε̇ − tr(ε̇) I/3) + S Ωᵀ + Ω S,   p = c² (ρ − ρ0),  c² = K/ρ0
-    du_a/dt = Σ_b m_b [(σ_a B_a/ρ_a² + σ_b B_b/ρ_b²) − Π_ab I] ∇W_ab,   σ = S − p I
-    Π_ab = −α h c φ/ρ̄ where φ = u_ab·r_ab/(r² + 0.01 h²) < 0
+    (∇u)_a = Σ_b V_b (u_b − u_a) ⊗ B_a ∇W_ab,   B_a = M_a⁻ᵀ (linear) or I (printed),   M = Σ V_b (x_b − x_a) ⊗ ∇W_ab
+    (∇²u)_a = k_a [Σ_b V_b |F_ab| (u_b − u_a) − ∇u_a·s_a],   s_a = Σ V_b |F_ab| (x_b − x_a),   k_a = 4/tr M_a
+    du_a/dt = Σ_b m_b [(T_a B_aᵀ/ρ_a² + T_b B_bᵀ/ρ_b² − Π_ab I) ∇W_ab + |F_ab| (k_a Q_a/ρ_a² − k_b Q_b/ρ_b²)]
+    T = σ − k Q ⊗ s,   σ = S − p I,   Π_ab = −α h c φ/ρ̄ where φ = u_ab·r_ab/(r² + 0.01 h²) < 0
 
-The rate of S is stated with the trace that the paper's print lacks. B in the force is the transpose of B in the gradient,
-so that the stress does on the particles the work that it does on the strain.
+∇u is exact for linear fields, ∇²u zero for them. Forces are the exact transpose of these derivatives, so that σ and Q (see
+updated_material.py) do on the particles the work that they do on the material, and momentum is kept.
 """
 
 from __future__ import annotations
@@ -22,18 +22,19 @@ from numba import prange
 from shared.jit import njit, parallel_njit
 from shared.kernels import kernel_f
 from solid_solver.shifting import short_range
+from solid_solver.updated_material import update_material
 
 _SINGULAR = 1.0e-3
-"""Determinant of Σ V r ⊗ ∇W (1 in a full neighbourhood) below which a particle's gradient stays uncorrected."""
+"""Determinant of M (1 in a full neighbourhood) below which a particle's gradient stays uncorrected."""
 
 
 @parallel_njit
-def velocity_gradients(x, u, volume, first, neighbour, code, h, corrected, gradient, correction):
-    """∇u into `gradient` (4, n: xx, xy, yx, yy; ∂_j u_i row by row) and B into `correction` (4, n)."""
+def velocity_derivatives(x, u, volume, first, neighbour, code, h, corrected, derivatives, correction):
+    """∇u (xx, xy, yx, yy; ∂_j u_i row by row) and ∇²u into `derivatives` (6, n); B, k, s into `correction` (7, n)."""
     px, py, ux, uy = x[0], x[1], u[0], u[1]
     for a in prange(first.size - 1):
         g00 = g01 = g10 = g11 = 0.0
-        m00 = m01 = m10 = m11 = 0.0
+        m00 = m01 = m11 = s0 = s1 = l0 = l1 = 0.0
         x0, x1, u0, u1 = px[a], py[a], ux[a], uy[a]
         for k in range(first[a], first[a + 1]):
             b = neighbour[k]
@@ -47,88 +48,38 @@ def velocity_gradients(x, u, volume, first, neighbour, code, h, corrected, gradi
             g11 += dv * w1
             m00 -= r0 * w0
             m01 -= r0 * w1
-            m10 -= r1 * w0
             m11 -= r1 * w1
-        det = m00 * m11 - m01 * m10
+            s0 += w0
+            s1 += w1
+            l0 -= f * du
+            l1 -= f * dv
+        det = m00 * m11 - m01 * m01
         if corrected and det > _SINGULAR:
             # Σ V (f_b − f_a) ∇W = ∇f · M for linear f: the inverse of M makes the gradient exact.
-            i00, i01, i10, i11 = m11 / det, -m01 / det, -m10 / det, m00 / det
+            i00, i01, i10, i11 = m11 / det, -m01 / det, -m01 / det, m00 / det
         else:
             i00, i01, i10, i11 = 1.0, 0.0, 0.0, 1.0
-        gradient[0, a] = g00 * i00 + g01 * i10
-        gradient[1, a] = g00 * i01 + g01 * i11
-        gradient[2, a] = g10 * i00 + g11 * i10
-        gradient[3, a] = g10 * i01 + g11 * i11
+        xx, xy = g00 * i00 + g01 * i10, g00 * i01 + g01 * i11
+        yx, yy = g10 * i00 + g11 * i10, g10 * i01 + g11 * i11
+        k = 4.0 / max(m00 + m11, _SINGULAR)
+        derivatives[0, a], derivatives[1, a], derivatives[2, a], derivatives[3, a] = xx, xy, yx, yy
+        derivatives[4, a], derivatives[5, a] = k * (l0 - xx * s0 - xy * s1), k * (l1 - yx * s0 - yy * s1)
         correction[0, a], correction[1, a], correction[2, a], correction[3, a] = i00, i01, i10, i11
-
-
-@njit
-def turned_stress(s, gradient, shear_modulus, dt):
-    """S (xx, xy, yy, zz) after `dt` under a constant velocity gradient (xx, xy, yx, yy).
-
-    The skew part turns S by the rotation of Cayley's transform, which is the Jaumann rate without its error in time
-    (Hughes & Winget 1980): a rigid rotation leaves the principal stresses as they are.
-    """
-    xx, yy = gradient[0], gradient[3]
-    xy = 0.5 * (gradient[1] + gradient[2])
-    third = (xx + yy) / 3.0
-    half = 0.25 * dt * (gradient[2] - gradient[1])
-    cosine = (1.0 - half * half) / (1.0 + half * half)
-    sine = 2.0 * half / (1.0 + half * half)
-    c2, s2, cs = cosine * cosine, sine * sine, cosine * sine
-    rate = 2.0 * shear_modulus * dt
-    return (
-        c2 * s[0] - 2.0 * cs * s[1] + s2 * s[2] + rate * (xx - third),
-        cs * (s[0] - s[2]) + (c2 - s2) * s[1] + rate * xy,
-        s2 * s[0] + 2.0 * cs * s[1] + c2 * s[2] + rate * (yy - third),
-        s[3] - rate * third,
-    )
-
-
-@njit
-def carried(offset, gradient, dt):
-    """An `offset` (2,) from a particle to its material tracer after `dt`: advected by u_a + ∇u·offset (Cayley)."""
-    a, b, c, d = 0.5 * dt * gradient[0], 0.5 * dt * gradient[1], 0.5 * dt * gradient[2], 0.5 * dt * gradient[3]
-    p = (1.0 + a) * offset[0] + b * offset[1]
-    q = c * offset[0] + (1.0 + d) * offset[1]
-    det = (1.0 - a) * (1.0 - d) - b * c
-    return ((1.0 - d) * p + b * q) / det, (c * p + (1.0 - a) * q) / det
-
-
-@parallel_njit
-def update_material(mass, volume, rho, stress, offset, gradient, correction, flux, material, dt):
-    """ρ, V, S and tracer offsets over `dt` from ∇u, then σB/ρ² into `flux` (4, n). `material`: G, c², ρ0."""
-    shear_modulus, c_squared, rho0 = material
-    for a in prange(rho.size):
-        grad = (gradient[0, a], gradient[1, a], gradient[2, a], gradient[3, a])
-        half = 0.5 * dt * (grad[0] + grad[3])
-        rho[a] *= (1.0 - half) / (1.0 + half)
-        volume[a] = mass[a] / rho[a]
-        s = turned_stress((stress[0, a], stress[1, a], stress[2, a], stress[3, a]), grad, shear_modulus, dt)
-        stress[0, a], stress[1, a], stress[2, a], stress[3, a] = s
-        offset[0, a], offset[1, a] = carried((offset[0, a], offset[1, a]), grad, dt)
-        pressure = c_squared * (rho[a] - rho0)
-        per = 1.0 / (rho[a] * rho[a])
-        xx, xy, yy = per * (s[0] - pressure), per * s[1], per * (s[2] - pressure)
-        i00, i01, i10, i11 = correction[0, a], correction[1, a], correction[2, a], correction[3, a]
-        flux[0, a] = xx * i00 + xy * i01
-        flux[1, a] = xx * i10 + xy * i11
-        flux[2, a] = xy * i00 + yy * i01
-        flux[3, a] = xy * i10 + yy * i11
+        correction[4, a], correction[5, a], correction[6, a] = k, s0, s1
 
 
 @parallel_njit
 def accelerations(x, u, mass, volume, flux, first, neighbour, code, h, viscosity, spacing, a_out, crowding):
-    """du/dt by stress and artificial viscosity of the free particles into `a_out` (2, free).
+    """du/dt by stresses and artificial viscosity of the free particles into `a_out` (2, free).
 
     `viscosity`: α h c [m²/s]; `crowding` (free,): Σ w(r/s), see shifting.py; `spacing` (n,) [m].
     """
     px, py, ux, uy = x[0], x[1], u[0], u[1]
-    t00, t01, t10, t11 = flux[0], flux[1], flux[2], flux[3]
+    t00, t01, t10, t11, q0, q1 = flux[0], flux[1], flux[2], flux[3], flux[4], flux[5]
     for a in prange(crowding.size):
         f0 = f1 = crowd = 0.0
         x0, x1, u0, u1 = px[a], py[a], ux[a], uy[a]
-        s00, s01, s10, s11 = t00[a], t01[a], t10[a], t11[a]
+        s00, s01, s10, s11, p0, p1 = t00[a], t01[a], t10[a], t11[a], q0[a], q1[a]
         half_density = 0.5 * mass[a] / volume[a]
         for k in range(first[a], first[a + 1]):
             b = neighbour[k]
@@ -139,8 +90,8 @@ def accelerations(x, u, mass, volume, flux, first, neighbour, code, h, viscosity
             w0, w1 = f * r0, f * r1
             approach = min(0.0, (u0 - ux[b]) * r0 + (u1 - uy[b]) * r1)
             pi = -viscosity * approach * v / ((r2 + 0.01 * h * h) * (half_density * v + 0.5 * m))
-            f0 += (s00 + t00[b] - pi) * w0 + (s01 + t01[b]) * w1
-            f1 += (s10 + t10[b]) * w0 + (s11 + t11[b] - pi) * w1
+            f0 += (s00 + t00[b] - pi) * w0 + (s01 + t01[b]) * w1 - f * (p0 - q0[b])
+            f1 += (s10 + t10[b]) * w0 + (s11 + t11[b] - pi) * w1 - f * (p1 - q1[b])
             crowd += short_range(math.sqrt(r2) / spacing[b])
         a_out[0, a], a_out[1, a] = f0, f1
         crowding[a] = crowd
@@ -206,20 +157,20 @@ def extreme_density(rho, stress):
 def steps(now, material_state, sums, pairs, kernel, loads, kicks, numbers):
     """Take steps until `kicks` is used up, the neighbour list is outgrown, or shifting is due.
 
-    `now`: x (2, n), u (2, n), a (2, free); `material_state`: m, V, ρ, S, tracer offsets; `sums`: ∇u, B, σB/ρ²,
+    `now`: x (2, n), u (2, n), a (2, free); `material_state`: m, V, ρ, S, Q, tracer offsets; `sums`: derivatives, correction, flux,
     crowding; `pairs`: first, neighbour, positions at the list's making, allowed displacement; `kernel`:
     code, h; `loads`: steady (2, free), ramped (g, 2, free), shares (steps + 1, g); `kicks`: (e, τφ) of half a step;
-    `numbers`: dt, α h c, (G, c², ρ0), corrected, first step to take, spacings (n,), crowding that calls for
+    `numbers`: dt, α h c, (G, c², ρ0, E'), corrected, first step to take, spacings (n,), crowding that calls for
     shifting.
     Returns the number of the next step and whether shifting is due. One step:
 
         1. u ← half a kick under the loads at its start     2. x ← x + ½ Δt u
-        3. ∇u and B there; ρ, S, offsets over Δt            4. x ← x + ½ Δt u
+        3. ∇u, ∇²u there; ρ, S, Q, offsets over Δt            4. x ← x + ½ Δt u
         5. accelerations there                              6. u ← half a kick under the loads at its end
     """
     x, u, a = now
-    mass, volume, rho, stress, offset = material_state
-    gradient, correction, flux, crowding = sums
+    mass, volume, rho, stress, curvature, offset = material_state
+    derivatives, correction, flux, crowding = sums
     first, neighbour, built, allowed = pairs
     code, h = kernel
     steady, ramped, shares = loads
@@ -230,8 +181,8 @@ def steps(now, material_state, sums, pairs, kernel, loads, kicks, numbers):
             return n, False
         kicked(u, a, steady, ramped, shares[n], kicks)
         drifted(x, u, 0.5 * dt, free)
-        velocity_gradients(x, u, volume, first, neighbour, code, h, corrected, gradient, correction)
-        update_material(mass, volume, rho, stress, offset, gradient, correction, flux, material, dt)
+        velocity_derivatives(x, u, volume, first, neighbour, code, h, corrected, derivatives, correction)
+        update_material(mass, volume, rho, stress, curvature, offset, derivatives, correction, flux, material, dt)
         drifted(x, u, 0.5 * dt, free)
         accelerations(x, u, mass, volume, flux, first, neighbour, code, h, viscosity, spacing, a, crowding)
         kicked(u, a, steady, ramped, shares[n + 1], kicks)
