@@ -57,8 +57,8 @@ def check(store, c) -> None:
         raise SolverFailed(
             f"the density of {found} fluid particles is more than {LARGEST_COMPRESSION:.0%} off {c.rho0:g} kg/m³, "
             f"worst {store.S[RHO, i]:.4g} kg/m³ of {_place(store, i)} (speed {speed:.3g} m/s, sound speed "
-            f"{c.c0:.3g} m/s): the fluid is not weakly compressible any more. Raise fluid.sound_speed if the speed is real, lower "
-            f"fluid.courant if it is not."
+            f"{c.c0:.3g} m/s): the fluid is not weakly compressible any more. Raise "
+            f"fluid.sound_speed if the speed is real, lower fluid.courant if it is not."
         )
 
 
