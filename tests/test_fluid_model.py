@@ -1,0 +1,293 @@
+"""The fluid model: conservation, ghosts, settled start, replay, threads, walls."""
+
+import numpy as np
+import pytest
+
+from fluid_solver.fields import AX, AY, FLUID, RHO, STRUCTURE, VOL, M, P, U, V, X, Y
+from fluid_solver.models import make_model
+from fluid_solver.motion import WallMotion, structure_pose
+from shared.contract import BadInput, Kinematics, SolverFailed
+from shared.schema import Motion, Scene
+
+G = 9.81
+
+
+def scene(bodies, walls=(), gravity=(0.0, -G), solid=None, probes=(), **fluid) -> Scene:
+    given = {"model": "wcsph", "dx": 0.01, "bodies": bodies} | fluid
+    table = {"schema": 1, "title": "test", "end_time": 1.0, "gravity": gravity, "fluid": given, "walls": list(walls)}
+    if solid is not None:
+        table["solid"] = solid
+    return Scene.model_validate(table | {"probes": list(probes)})
+
+
+def tank(width=0.2, height=0.2, fill=0.15, **fluid) -> Scene:
+    wall = {"name": "tank", "polyline": [(0.0, height), (0.0, 0.0), (width, 0.0), (width, height)]}
+    if fluid.get("viscosity"):
+        wall["slip"] = "no"
+    probes = [{"name": "bottom", "quantity": "pressure", "point": (width / 2, 0.0)}]
+    probes += [{"name": name, "quantity": name} for name in ("leaked", "kinetic-energy", "level")]
+    probes.append({"name": "weight", "quantity": "force-y", "body": "tank"})
+    return scene([{"name": "water", "rectangle": (0.0, 0.0, width, fill)}], [wall], probes=probes, **fluid)
+
+
+def drop_on_plate(**fluid) -> Scene:
+    """A square of water thrown at a plate, without walls and gravity."""
+    body = {"name": "drop", "rectangle": (0.0, 0.005, 0.1, 0.105), "velocity": (0.3, -1.0)}
+    plate = {"name": "plate", "rectangle": (-0.05, -0.03, 0.15, 0.0)}
+    solid = {"model": "total-lagrangian", "dx": 0.01, "density": 1000.0, "youngs_modulus": 1e6, "bodies": [plate]}
+    return scene([body], gravity=(0.0, 0.0), solid=solid, sound_speed=15.0, **fluid)
+
+
+def begun(case: Scene, threads=1, coupled=False):
+    model = make_model(case, coupled, threads)
+    motion = Kinematics.at_rest(model.describe().position) if coupled else None
+    model.begin(motion)
+    return model
+
+
+def run(model, time, windows=4, start=0.0):
+    for k in range(windows):
+        t0, t1 = start + time * k / windows, start + time * (k + 1) / windows
+        model.advance(t0, t1, max(1, int(np.ceil((t1 - t0) / model.stable_step()))), None)
+        model.check()
+
+
+def fluid_rows(model, *rows):
+    return model.store.in_order_of_ids(list(rows), 0, model.fluid_count)
+
+
+# ---- conservation ---------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("fluid", [{"alpha": 0.2}, {"alpha": 0.1, "viscosity": 1e-3}])
+def test_what_walls_take_the_fluid_loses(fluid):
+    """Σ m a = Σ m g − Σ forces on ghosts, to rounding: pressure, artificial and laminar viscosity are mirrored."""
+    model = begun(tank(**fluid))
+    run(model, 0.02)
+    m, ax, ay = fluid_rows(model, M, AX, AY)
+    given = np.array([m @ ax, m @ ay + G * m.sum()])
+    taken = model.force.sum(axis=0)
+    assert given == pytest.approx(-taken, abs=1e-12 * np.abs(model.force).sum())
+
+
+def test_impulse_on_the_structure_is_the_fluids_loss_of_momentum():
+    model = begun(drop_on_plate(), coupled=True)
+    motion = Kinematics.at_rest(model.describe().position)
+    largest = 0.0
+    for k in range(8):
+        m, u, v = fluid_rows(model, M, U, V)
+        before = np.array([m @ u, m @ v])
+        t0, t1 = 0.004 * k, 0.004 * (k + 1)
+        loads = model.advance(t0, t1, int(np.ceil(0.004 / model.stable_step())), motion)
+        m, u, v = fluid_rows(model, M, U, V)
+        lost = before - np.array([m @ u, m @ v])
+        assert loads.force.sum(axis=0) * (t1 - t0) == pytest.approx(lost, abs=1e-11)
+        largest = max(largest, -loads.force[:, 1].sum())
+    assert largest > 10.0  # N/m: it was an impact
+
+
+def test_free_fall_is_exact_for_the_second_order_step():
+    case = scene([{"name": "drop", "rectangle": (0.0, 0.0, 0.1, 0.1)}], initial_pressure="zero", sound_speed=10.0)
+    model = begun(case)
+    y0 = fluid_rows(model, Y)[0].mean()
+    run(model, 0.05)
+    assert fluid_rows(model, Y)[0].mean() - y0 == pytest.approx(-0.5 * G * 0.05**2, rel=1e-10)
+
+
+# ---- ghosts ---------------------------------------------------------------------------------------------------
+
+
+def test_ghost_pressure_is_exact_for_a_linear_field():
+    """Eq. 14 with the wall's acceleration: p = ρ (g − a)·x + const is extended without error."""
+    model = begun(tank())
+    store = model.store
+    fluid, ghost = store.kind == FLUID, store.kind != FLUID
+    a = np.array([2.0, -1.0])
+    slope = 1000.0 * (np.array([0.0, -G]) - a)
+    store.S[RHO, fluid] = 1000.0
+    exact = 5000.0 + slope @ store.S[[X, Y]]
+    store.S[P, fluid] = exact[fluid]
+    store.S[AX, ghost], store.S[AY, ghost] = a
+    model._accelerate()
+    near = ghost & (store.S[P] != 0.0)
+    assert near.sum() > 50
+    assert store.S[P, near] == pytest.approx(exact[near], rel=1e-12)
+
+
+def test_walls_stop_where_the_structure_begins():
+    wall = {"name": "floor", "polyline": [(-0.3, 0.0), (0.3, 0.0)]}
+    body = {"name": "plate", "rectangle": (-0.01, -0.04, 0.01, 0.1)}
+    solid = {"model": "total-lagrangian", "dx": 0.01, "density": 1000.0, "youngs_modulus": 1e6, "bodies": [body]}
+    water = [{"name": "water", "rectangle": (0.02, 0.0, 0.2, 0.1)}]
+    model = begun(scene(water, [wall], solid=solid))
+    position, kind = model.ghosts.position, model.ghosts.kind
+    inside = (np.abs(position[:, 0]) < 0.0099) & (position[:, 1] > -0.04)
+    assert inside.any()
+    assert np.all(kind[inside] == STRUCTURE)
+
+
+def test_structure_ghosts_follow_the_window_without_a_jump():
+    """Cubic Hermite: a motion that is cubic in time is met exactly, in place and velocity."""
+    t0, t1 = 0.3, 0.5
+    x = lambda t: np.array([[1.0 + t - 2 * t**2 + 3 * t**3, t**3]])  # noqa: E731
+    v = lambda t: np.array([[1.0 - 4 * t + 9 * t**2, 3 * t**2]])  # noqa: E731
+    pose = np.zeros((1, 6))
+    for s in (0.0, 0.25, 1.0):
+        structure_pose(s, t1 - t0, x(t0), v(t0), x(t1), v(t1), np.zeros((1, 2)), pose)
+        t = t0 + s * (t1 - t0)
+        assert pose[:, :2] == pytest.approx(x(t), rel=1e-12)
+        assert pose[:, 2:4] == pytest.approx(v(t), rel=1e-12)
+
+
+def test_wall_motion_velocity_and_acceleration_are_derivatives():
+    table = Motion(times=[0.0, 1.0, 2.0], translation=[(0.0, 0.0), (0.5, 0.1), (0.6, 0.4)], rotation=[0.0, 30.0, 90.0])
+    wall = WallMotion(table, np.array([[0.3, -0.2], [1.0, 2.0]]))
+    t, e = 0.7, 1e-5
+    pose = wall.pose(t)
+    slope = (wall.pose(t + e) - wall.pose(t - e)) / (2 * e)
+    assert pose[:, 2:4] == pytest.approx(slope[:, :2], abs=1e-8)
+    assert pose[:, 4:6] == pytest.approx(slope[:, 2:4], abs=1e-6)
+    assert np.all(wall.pose(3.0)[:, 2:] == 0.0)  # held after its last time
+    assert wall.pose(3.0)[:, :2] == pytest.approx(wall.pose(2.0)[:, :2])
+
+
+def test_moving_walls_take_their_water_along():
+    """Water that fills a box goes where the box goes."""
+    motion = {"times": [0.0, 0.05, 1.0], "translation": [(0.0, 0.0), (0.005, 0.0), (0.195, 0.0)]}
+    corners = [(0.0, 0.0), (0.1, 0.0), (0.1, 0.1), (0.0, 0.1)]
+    box = {"name": "box", "polyline": corners, "closed": True, "motion": motion}
+    water = [{"name": "water", "rectangle": (0.0, 0.0, 0.1, 0.1)}]
+    model = begun(scene(water, [box], gravity=(0.0, 0.0), sound_speed=5.0, alpha=0.5))
+    run(model, 0.3, 10)
+    x, _, u, *_ = WallMotion(Motion(**motion), np.zeros((1, 2))).pose(0.3)[0]
+    assert u > 0.1
+    assert fluid_rows(model, U)[0].mean() == pytest.approx(u, rel=0.05)
+    assert fluid_rows(model, X)[0].mean() == pytest.approx(0.05 + x, abs=0.001)
+
+
+@pytest.mark.parametrize("model_name", ["wcsph", "ctvf"])
+def test_a_lone_drop_of_spray_does_not_creep_into_a_wall(model_name):
+    wall = {"name": "wall", "polyline": [(0.0, 0.6), (0.0, 0.0), (0.3, 0.0)]}
+    drop = [{"name": "drop", "rectangle": (0.005, 0.3, 0.015, 0.31), "velocity": (-0.5, 0.0)}]
+    model = begun(scene(drop, [wall], sound_speed=20.0, model=model_name))
+    assert model.fluid_count == 1
+    for k in range(20):
+        run(model, 0.01, 1, 0.01 * k)
+        assert fluid_rows(model, X)[0][0] > -0.002
+
+
+# ---- settled start and still water ------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("gravity", [(0.0, -G), (G, 0.0), (-3.0, -4.0)])
+def test_settled_column_keeps_mass_and_carries_its_weight(gravity):
+    g = np.array(gravity)
+    angle = np.degrees(np.arctan2(g[1], g[0])) + 90.0
+    body = {"name": "water", "rectangle": (0.0, 0.0, 0.2, 1.0), "rotate": {"angle": angle, "about": (0.1, 0.0)}}
+    model = make_model(scene([body], gravity=gravity, sound_speed=15.0), False, 1)
+    x, y, p, rho, m, vol = fluid_rows(model, X, Y, P, RHO, M, VOL)
+    size = np.hypot(*g)
+    assert m.sum() == pytest.approx(1000.0 * 0.2, rel=1e-12)
+    assert p == pytest.approx(15.0**2 * (rho - 1000.0), abs=1e-6)
+    up = -(g[0] * (x - 0.1) + g[1] * y) / size  # height above the bottom, which stays
+    rows = np.unique(np.round(up, 9))
+    spacing = np.diff(rows)
+    middle = 0.5 * (rho[np.argsort(up)][::20][1:] + rho[np.argsort(up)][::20][:-1])
+    assert spacing * middle == pytest.approx(0.01 * 1000.0, rel=1e-4)  # lower, and denser: mass per row kept
+    bottom = p.max() + rho.max() * size * up.min()
+    assert bottom == pytest.approx(1000.0 * size * 1.0, rel=1e-4)
+
+
+@pytest.mark.parametrize("model_name", ["wcsph", "ctvf"])
+def test_still_water_stays_still(model_name):
+    model = begun(tank(model=model_name))
+    bottom, weight = [], []
+    for k in range(15):
+        run(model, 0.02, 1, 0.02 * k)
+        values = model.probe_values()
+        bottom.append(values["bottom"])
+        weight.append(values["weight"])
+        assert values["leaked"] == 0.0
+    assert np.mean(bottom) == pytest.approx(1000.0 * G * 0.15, rel=0.02)
+    assert np.mean(weight) == pytest.approx(-1000.0 * G * 0.15 * 0.2, rel=0.01)
+    assert values["kinetic-energy"] < 1e-3 * 1000.0 * G * 0.15**2 * 0.2 / 2
+    assert values["level"] == pytest.approx(0.15, abs=0.003)
+
+
+# ---- replay and threads -----------------------------------------------------------------------------------------
+
+
+def everything(model):
+    return {name: array.copy() for name, array in model.state().items()}
+
+
+@pytest.mark.parametrize("model_name", ["wcsph", "ctvf"])
+def test_restored_state_goes_on_to_the_same_bytes(model_name):
+    model = begun(dam(model_name))
+    run(model, 0.03)
+    saved = everything(model)
+    run(model, 0.03, start=0.03)
+    first = everything(model)
+    model.restore(saved)
+    run(model, 0.03, start=0.03)
+    again = everything(model)
+    assert all(np.array_equal(first[name], again[name]) for name in first)
+    other = begun(dam(model_name))
+    other.restore(saved)
+    run(other, 0.03, start=0.03)
+    assert all(np.array_equal(first[name], everything(other)[name]) for name in first)
+
+
+def dam(model_name, dx=0.01) -> Scene:
+    wall = {"name": "tank", "polyline": [(0.0, 0.6), (0.0, 0.0), (0.5, 0.0), (0.5, 0.6)]}
+    water = [{"name": "water", "rectangle": (0.0, 0.0, 0.15, 0.3)}]
+    return scene(water, [wall], model=model_name, dx=dx)
+
+
+def test_one_and_two_threads_give_the_same_bytes():
+    states = []
+    for threads in (1, 2):
+        model = begun(dam("ctvf", dx=0.0025), threads)
+        assert model.particles() > 5000  # below that both would run on one thread
+        run(model, 0.01, 2)
+        states.append(everything(model))
+    assert all(np.array_equal(states[0][name], states[1][name]) for name in states[0])
+
+
+def test_cells_hold_every_neighbour():
+    """After motion without a sort, everything in reach is still in the 3 × 3 cells around."""
+    model = begun(dam("wcsph"))
+    run(model, 0.1)
+    store, c = model.store, model.c
+    cell = np.repeat(np.arange(store.start.size // 2 - 1), np.diff(store.start[:-1:2]))
+    x, y = store.S[X, : store.count], store.S[Y, : store.count]
+    for i in range(0, store.count, 17):
+        near = np.hypot(x - x[i], y - y[i]) < c.support
+        row, column = np.divmod(cell[near], store.nx)
+        assert np.all(np.abs(row - cell[i] // store.nx) <= 1)
+        assert np.all(np.abs(column - cell[i] % store.nx) <= 1)
+
+
+# ---- failures ---------------------------------------------------------------------------------------------------
+
+
+def test_a_state_that_is_not_finite_is_named():
+    model = begun(dam("wcsph"))
+    model.store.S[U, np.flatnonzero(model.store.kind == FLUID)[5]] = np.nan
+    with pytest.raises(SolverFailed, match="velocity of fluid particle"):
+        model.check()
+
+
+def test_fluid_that_leaves_the_domain_is_taken_out_and_counted():
+    jet = {"name": "jet", "rectangle": (0.0, 0.0, 0.05, 0.05), "velocity": (2.0, 0.0)}
+    wall = {"name": "lid", "polyline": [(0.2, -0.1), (-0.1, -0.1)]}
+    table = scene([jet], [wall], gravity=(0.0, 0.0), probes=[{"name": "lost", "quantity": "leaked"}])
+    model = begun(table)
+    run(model, 0.2)
+    assert model.probe_values()["lost"] == model.fluid_count
+    assert len(model.frame().position) == model.fluid_count
+
+
+def test_no_speed_to_guess_the_sound_speed_from_is_bad_input():
+    with pytest.raises(BadInput, match="sound_speed"):
+        make_model(scene([{"name": "drop", "rectangle": (0.0, 0.0, 0.1, 0.1)}], gravity=(0.0, 0.0)), False, 1)
