@@ -13,6 +13,12 @@ from solid_solver.bodies import LatticeBody
 from solid_solver.clamps import face_points
 
 
+def ramp_shares(times: np.ndarray, ramps: np.ndarray) -> np.ndarray:
+    """Fractions (m, g) at `times` (m,) [s] of loads that grow over `ramps` (g,) [s]: half a cosine from 0 to 1."""
+    progress = np.clip(times[:, None] / ramps[None, :], 0.0, 1.0)
+    return 0.5 * (1.0 - np.cos(math.pi * progress))
+
+
 @dataclass(frozen=True)
 class ScheduledLoads:
     """`steady` (n, 2) [m/s²], on from t = 0; `ramped` (g, n, 2) [m/s²] grow from zero over `ramps` (g,) [s]."""
@@ -22,9 +28,8 @@ class ScheduledLoads:
     ramped: np.ndarray
 
     def shares(self, times: np.ndarray) -> np.ndarray:
-        """Fractions (m, g) of the ramped loads that act at `times` (m,) [s]: half a cosine from 0 to 1."""
-        progress = np.clip(times[:, None] / self.ramps[None, :], 0.0, 1.0)
-        return 0.5 * (1.0 - np.cos(math.pi * progress))
+        """Fractions (m, g) of the ramped loads that act at `times` (m,) [s]."""
+        return ramp_shares(times, self.ramps)
 
     def at(self, time: float) -> np.ndarray:
         """Acceleration (n, 2) [m/s²] by all loads at `time` [s]."""

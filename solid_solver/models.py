@@ -4,10 +4,11 @@ from __future__ import annotations
 
 from shared.contract import Model
 from shared.schema import Scene
+from solid_solver.beam import BeamModel
 from solid_solver.total_lagrangian import TotalLagrangian
 from solid_solver.updated_lagrangian import UpdatedLagrangian
 
-MODELS = {"total-lagrangian": TotalLagrangian, "ctvf": UpdatedLagrangian}
+MODELS = {"total-lagrangian": TotalLagrangian, "ctvf": UpdatedLagrangian, "beam": BeamModel}
 """A new model is one new file and one entry here."""
 
 

@@ -1,0 +1,140 @@
+"""A slender rectangle as a beam: its own frame, elements, section, clamps and loads."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+
+from shared.contract import BadInput
+from shared.schema import Load, Scene, Solid
+from solid_solver.filled import FilledBody
+
+SHEAR_FACTOR = 5.0 / 6.0
+"""κs of a rectangle (Cowper 1966, ν = 0): with it the shear share of A and B agrees with the closed form."""
+
+_FIRST_ROOT = {0: 4.730041, 1: 1.875104, 2: 4.730041}
+"""βL of a thin beam's first bending mode by its number of clamped ends: free, cantilever, clamped at both ends."""
+
+_SIDES = {"left": (0, -1.0), "right": (0, 1.0), "bottom": (1, -1.0), "top": (1, 1.0)}
+"""Faces of a rectangle: axis of their outward normal, and its sense."""
+
+
+@dataclass(frozen=True)
+class Beam:
+    """A body as a beam. `axes` (2, 2): rows along the axis and along the section's normal, a quarter turn on;
+    `h` [m]: element length; `free` (n + 1,): nodes not clamped; `mass` (n + 1, 3): lumped mass [kg/m] twice and rotary
+    inertia [kg m] per node; `stiffness`: EA, GA*, EI per metre of depth; `element` (m,), `offset` (m,) [m]: of its points."""
+
+    body: FilledBody
+    axes: np.ndarray
+    length: float
+    thickness: float
+    h: float
+    free: np.ndarray
+    mass: np.ndarray
+    stiffness: tuple[float, float, float]
+    element: np.ndarray
+    offset: np.ndarray
+    origin: np.ndarray
+
+    def place(self, points: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        """Element (m,), fraction ξ of it (m,) and offset (m,) [m] of reference `points` (m, 2) [m]."""
+        along, offset = ((points - self.origin) @ self.axes.T).T
+        element = np.clip((along / self.h).astype(np.int64), 0, len(self.free) - 2)
+        return element, along / self.h - element, offset
+
+
+def make_beam(scene: Scene, body: FilledBody) -> Beam:
+    """The beam in place of a body. Raises BadInput for a shape, or a clamp, that is none of a beam's."""
+    solid, rectangle = scene.solid, body.shape.rectangle
+    if rectangle is None:
+        raise BadInput(f"Body '{body.shape.name}' is no rectangle, so model beam cannot stand for it; use total-lagrangian.")
+    size = np.array([rectangle[2] - rectangle[0], rectangle[3] - rectangle[1]])
+    axis = int(size[1] > size[0])
+    length, thickness = float(size[axis]), float(size[1 - axis])
+    count = max(1, math.floor(length / solid.dx + 0.5))
+    h = length / count
+    axes = np.array([body.axes[axis], [-body.axes[axis][1], body.axes[axis][0]]])
+    origin = body.position.mean(axis=0) - 0.5 * length * axes[0]
+    free = np.ones(count + 1, dtype=np.bool_)
+    for clamp in (c for c in solid.clamps if c.body == body.shape.name):
+        normal, sense = _SIDES[clamp.face]
+        if normal != axis:
+            raise BadInput(
+                f"Face '{clamp.face}' of body '{body.shape.name}' is a long one: model beam can be held at its ends only; "
+                "clamp a short face, or use total-lagrangian."
+            )
+        free[0 if sense < 0.0 else -1] = False
+    share = np.full(count + 1, h)
+    share[[0, -1]] *= 0.5
+    mass = solid.density * np.outer(share, [thickness, thickness, thickness**3 / 12.0])
+    along, offset = axes @ (body.position - origin).T
+    element = (along / h).astype(np.int64)
+    section = _section(solid, thickness, h)
+    return Beam(body, axes, length, thickness, h, free, mass, section, element, offset, origin)
+
+
+def _section(solid: Solid, thickness: float, h: float) -> tuple[float, float, float]:
+    """EA, GA*, EI of a metre of depth in plane strain."""
+    plane = solid.youngs_modulus / (1.0 - solid.poisson_ratio**2)
+    bending = plane * thickness**3 / 12.0
+    shear = SHEAR_FACTOR * thickness * solid.youngs_modulus / (2.0 * (1.0 + solid.poisson_ratio))
+    return plane * thickness, 1.0 / (1.0 / shear + h * h / (12.0 * bending)), bending
+
+
+def first_period(beam: Beam, density: float) -> float:
+    """Period [s] of the first bending mode of the thin beam: a little shorter than the true one."""
+    root = _FIRST_ROOT[int(np.sum(~beam.free))]
+    per_length = beam.stiffness[2] / (density * beam.thickness)
+    return 2.0 * math.pi * (beam.length / root) ** 2 / math.sqrt(per_length)
+
+
+def no_load(beam: Beam) -> tuple[np.ndarray, np.ndarray]:
+    """A load of zero: forces at the nodes (n + 1, 2) [N/m], and G and B of the elements (n, 4) [N]."""
+    return np.zeros((len(beam.free), 2)), np.zeros((len(beam.free) - 1, 4))
+
+
+def _spread(beam: Beam, force: np.ndarray, offset: float) -> tuple[np.ndarray, np.ndarray]:
+    """The load of a `force` (2,) [N/m] in the beam's frame on every element, spread evenly along it at `offset` [m]."""
+    node, couple = no_load(beam)
+    node[:-1] += 0.5 * force
+    node[1:] += 0.5 * force
+    couple[:, :2] = offset * force
+    couple[:, 2:] = beam.h / 12.0 * force
+    return node, couple
+
+
+def _one_load(beam: Beam, load: Load, density: float) -> tuple[np.ndarray, np.ndarray]:
+    if load.acceleration is not None:
+        return body_force(beam, np.array(load.acceleration), density)
+    traction = beam.axes @ np.array(load.traction)
+    normal, sense = _SIDES[load.face]
+    if abs(beam.axes[0] @ beam.body.axes[normal]) < 0.5:
+        outward = sense * float(beam.axes[1] @ beam.body.axes[normal])
+        return _spread(beam, traction * beam.h, 0.5 * beam.thickness * outward)
+    node, couple = no_load(beam)
+    node[0 if sense < 0.0 else -1] += traction * beam.thickness
+    return node, couple
+
+
+def body_force(beam: Beam, acceleration: np.ndarray, density: float) -> tuple[np.ndarray, np.ndarray]:
+    """The load of a uniform `acceleration` (2,) [m/s²]."""
+    return _spread(beam, beam.axes @ acceleration * density * beam.thickness * beam.h, 0.0)
+
+
+def beam_loads(scene: Scene, beam: Beam):
+    """Steady load, ramp times (g,) [s] and the loads that grow over them, (g, n + 1, 2) and (g, n, 4)."""
+    solid = scene.solid
+    by_ramp = {0.0: no_load(beam)}
+    if solid.gravity:
+        by_ramp[0.0] = body_force(beam, np.asarray(scene.gravity), solid.density)
+    for load in (one for one in solid.loads if one.body == beam.body.shape.name):
+        so_far = by_ramp.get(load.ramp, no_load(beam))
+        by_ramp[load.ramp] = tuple(a + b for a, b in zip(so_far, _one_load(beam, load, solid.density), strict=True))
+    steady = by_ramp.pop(0.0)
+    ramps = np.array(sorted(by_ramp))
+    node = np.array([by_ramp[r][0] for r in ramps]).reshape(-1, *steady[0].shape)
+    couple = np.array([by_ramp[r][1] for r in ramps]).reshape(-1, *steady[1].shape)
+    return steady, ramps, (node, couple)
