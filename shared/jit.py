@@ -14,12 +14,13 @@ from pathlib import Path
 
 import numba
 
-_FLAGS = {
+FLAGS = {
     "error_model": "numpy",
     "fastmath": {"contract", "reassoc", "nsz", "arcp", "afn"},
     "nogil": True,
     "cache": True,
 }
+"""Compiler flags of every kernel."""
 
 
 def _source_digest() -> str:
@@ -42,11 +43,11 @@ if "NUMBA_CACHE_DIR" not in os.environ:
 # OpenMP first: its pool is shared by all kernels and sleeps when idle (OMP_WAIT_POLICY, set by the launcher).
 numba.config.THREADING_LAYER_PRIORITY = ["omp", "tbb", "workqueue"]
 
-njit = numba.njit(**_FLAGS)
+njit = numba.njit(**FLAGS)
 """Compile with the house flags."""
 
-parallel_njit = numba.njit(parallel=True, **_FLAGS)
+parallel_njit = numba.njit(parallel=True, **FLAGS)
 """Compile with the house flags and `prange`. Gather only: a result must not depend on the thread count."""
 
-inline_njit = numba.njit(inline="always", **{k: v for k, v in _FLAGS.items() if k != "cache"})
+inline_njit = numba.njit(inline="always", **{k: v for k, v in FLAGS.items() if k != "cache"})
 """For pair terms: inlined into the sweep that calls them, so that the sweep vectorises."""

@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import Any
 
 from shared.contract import ShearwaterError
-from shared.pictures import draw_last_frame, draw_probes
+from shared.pictures import draw_pictures
 from shared.probes import ProbeTable, probe_units
 from shared.progress import Progress
 from shared.results import make_result, write_result
@@ -67,7 +67,7 @@ class Record:
             preflight=self.preflight,
         )
         write_result(self.run_dir, self.result)
-        self.pictures = [draw_last_frame(self.run_dir, self._scene), *draw_probes(self.run_dir, self._scene)]
+        self.pictures = draw_pictures(self.run_dir, self._scene)
 
 
 def _status(error: BaseException | None) -> tuple[str, str]:

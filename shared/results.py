@@ -155,7 +155,7 @@ def environment(threads: Mapping[str, int]) -> dict[str, Any]:
             versions[name] = metadata.version(distribution)
         except metadata.PackageNotFoundError:  # run from a source tree
             versions[name] = None
-    flags = {k: sorted(v) if isinstance(v, set) else v for k, v in jit._FLAGS.items()}
+    flags = {k: sorted(v) if isinstance(v, set) else v for k, v in jit.FLAGS.items()}
     return {
         "versions": versions,
         "platform": platform.platform(),

@@ -220,15 +220,22 @@ class Load(Table):
 
 
 class Solid(Table):
-    model: Literal["total-lagrangian", "ctvf"] = key(
-        about=("total-lagrangian: fixed neighbours, quadratic fit; ctvf: updated Lagrangian with iterative shifting")
+    model: Literal["total-lagrangian", "ctvf", "beam"] = key(
+        about=(
+            "total-lagrangian: fixed neighbours, quadratic fit; ctvf: updated Lagrangian with iterative shifting; "
+            "beam: slender rectangles as Timoshenko beams"
+        )
     )
     dx: Positive = key(unit="m", about="particle spacing; each body fits it per axis")
     density: Positive = key(unit="kg/m³", about="reference density")
     youngs_modulus: Positive = key(unit="Pa", about="Young's modulus")
     poisson_ratio: float = key(0.0, unit="-", about="Poisson's ratio, plane strain", ge=0.0, lt=0.5)
     damping: NonNegative = key(0.0, unit="1/s", about="rate η of the damping force −η m u")
-    alpha: NonNegative = key(1.0, unit="-", about="artificial viscosity coefficient (model ctvf only)")
+    alpha: NonNegative = key(
+        1.0,
+        unit="-",
+        about="artificial viscosity (Monaghan's α): damps the lattice's own highest modes, which a fluid could feed",
+    )
     kernel: KernelName = key("wendland-c2", about="smoothing kernel")
     h_over_dx: float = key(1.3, unit="-", about="smoothing length over spacing", ge=0.8, le=3.0)
     gradient: Literal["printed", "linear"] = key(

@@ -24,6 +24,12 @@ def wave_speed(solid: Solid) -> float:
     return math.sqrt((lam + 2.0 * mu) / solid.density)
 
 
+def viscous_time(solid: Solid) -> float:
+    """Time constant τ [s] of the artificial viscosity: ρ c_p² τ = ρ α h c_p/8, the viscosity that Monaghan's α stands
+    for in two dimensions (Monaghan, Rep. Prog. Phys. 68 (2005) 1703)."""
+    return solid.alpha * solid.h_over_dx * solid.dx / (8.0 * wave_speed(solid))
+
+
 def damped_kick(damping: float, tau: float) -> tuple[float, float]:
     """Factors (e, τφ) of v ← e v + τφ a: the exact effect of a constant a and of −η v over `tau` [s]."""
     if damping == 0.0:

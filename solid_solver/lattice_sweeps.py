@@ -13,6 +13,10 @@ and its derivatives by F and F,k, with S = C:E and Z_k = C:E,k, are
 
     ∂/∂F = F S + Σ_k d_k²/12 F,k Z_k,        ∂/∂F,k = d_k²/12 F Z_k.
 
+Artificial viscosity is of Kelvin and Voigt's kind, S = C:(E + τ Ė) and Z_k = C:(E,k + τ Ė,k): it acts on the lattice's
+own highest modes (ω τ ~ 1), which elasticity alone would let ring for ever and a lagged fluid load would feed. Ė is the
+difference to the strain of the step before, so that it costs no second fit, and rotations cost no energy.
+
 The force on a particle is minus the derivative of the summed energy: the transpose of the fit applied to these.
 Fields over the padded slots are kept as planes: (2, slots) vectors, (10, slots) stresses.
 """
@@ -27,6 +31,9 @@ from solid_solver.stencil import RUN
 
 SUMS = 10
 """Derivatives of both displacement components."""
+
+STRAINS = 9
+"""Components of E, E,0 and E,1 kept from the step before, as planes (9, slots)."""
 
 SCRATCH = SUMS * RUN
 
@@ -60,11 +67,15 @@ def _derivatives(d, u, s, count, first, last, distance, coefficient):
 
 
 @njit
-def _stresses(d, count, axes, moment, lam, mu):
+def _stresses(d, count, strain, s, axes, moment, lam, mu, tau):
     """Turn D in `d` into minus the energy's derivative per volume by D, in place (see the module's text).
 
-    `axes` (2, 2): rows e_K; `moment` (2,): d_k²/12 [m²]; `lam`, `mu`: Lamé's λ and μ [Pa].
+    `strain` (9, slots): strains of the step before, replaced by the present ones, from slot `s` on; `axes` (2, 2): rows
+    e_K; `moment` (2,): d_k²/12 [m²]; `lam`, `mu`: Lamé's λ and μ [Pa]; `tau`: τ over the time step.
     """
+    o0, o1, o2 = strain[0, s : s + count], strain[1, s : s + count], strain[2, s : s + count]
+    o3, o4, o5 = strain[3, s : s + count], strain[4, s : s + count], strain[5, s : s + count]
+    o6, o7, o8 = strain[6, s : s + count], strain[7, s : s + count], strain[8, s : s + count]
     e00, e01, e10, e11 = axes[0, 0], axes[1, 0], axes[0, 1], axes[1, 1]
     m0, m1 = moment[0], moment[1]
     for l in range(count):
@@ -82,6 +93,15 @@ def _stresses(d, count, axes, moment, lam, mu):
         z00 = f00 * a01 + f10 * a11
         z11 = f01 * b01 + f11 * b11
         z01 = 0.5 * (f00 * b01 + f10 * b11 + f01 * a01 + f11 * a11)
+        x00, o0[l] = x00 + tau * (x00 - o0[l]), x00
+        x11, o1[l] = x11 + tau * (x11 - o1[l]), x11
+        x01, o2[l] = x01 + tau * (x01 - o2[l]), x01
+        y00, o3[l] = y00 + tau * (y00 - o3[l]), y00
+        y11, o4[l] = y11 + tau * (y11 - o4[l]), y11
+        y01, o5[l] = y01 + tau * (y01 - o5[l]), y01
+        z00, o6[l] = z00 + tau * (z00 - o6[l]), z00
+        z11, o7[l] = z11 + tau * (z11 - o7[l]), z11
+        z01, o8[l] = z01 + tau * (z01 - o8[l]), z01
         trace = lam * (x00 + x11)
         s00, s11, s01 = trace + 2.0 * mu * x00, trace + 2.0 * mu * x11, 2.0 * mu * x01
         trace = m0 * lam * (y00 + y11)
@@ -117,13 +137,13 @@ def _forces(f, stress, s, count, first, last, distance, coefficient):
 
 
 @njit
-def _stress_of_runs(begin, end, u, stress, d, run, forward, axes, moment, lam, mu):
+def _stress_of_runs(begin, end, u, stress, strain, d, run, forward, axes, moment, lam, mu, tau):
     """Stresses of the runs `begin` … `end`."""
     first, distance, coefficient = forward
     for n in range(begin, end):
         s, count, c, body = run[n, 0], run[n, 1], run[n, 2], run[n, 4]
         _derivatives(d, u, s, count, first[c], first[c + 1], distance, coefficient)
-        _stresses(d, count, axes[body], moment[body], lam, mu)
+        _stresses(d, count, strain, s, axes[body], moment[body], lam, mu, tau)
         for plane in range(SUMS):
             for l in range(count):
                 stress[plane, s + l] = d[plane * RUN + l]
@@ -154,22 +174,33 @@ def _motion_of_runs(begin, end, u, v, a, stress, f, run, transposed, load, rampe
 
 
 @parallel_njit
-def stress_sweep(u, stress, scratch, run, chunk, forward, axes, moment, lam, mu):
-    """Minus the derivative of the energy per volume by D at every particle, from displacements `u`."""
-    for c in prange(chunk.size - 1):
-        _stress_of_runs(chunk[c], chunk[c + 1], u, stress, scratch[c], run, forward, axes, moment, lam, mu)
-
-
-@parallel_njit
 def steps(
-    u, v, a, stress, scratch, run, chunk, forward, transposed, axes, moment, material, load, ramped, share, kicks, dt
+    u,
+    v,
+    a,
+    stress,
+    strain,
+    scratch,
+    run,
+    chunk,
+    forward,
+    transposed,
+    axes,
+    moment,
+    material,
+    load,
+    ramped,
+    share,
+    kicks,
+    dt,
 ):
     """Advance by `share.shape[0]` steps of `dt` [s]: stress sweep, then force, kick and drift, for each.
 
     On entry `u` has drifted and `v` stands half a step behind it; on return `v` is complete at `u`'s time.
-    `kicks` (2, 2): factors (e, τφ) of a whole and of a half step, the half for the last.
+    `kicks` (2, 2): factors (e, τφ) of a whole and of a half step, the half for the last. `material`: λ, μ [Pa], ρ
+    [kg/m³], and the viscosity's τ over dt.
     """
-    lam, mu, density = material
+    lam, mu, density, tau = material
     count = share.shape[0]
     for n in range(count):
         last = n == count - 1
@@ -177,7 +208,9 @@ def steps(
         drift = 0.0 if last else dt
         factor = share[n]
         for c in prange(chunk.size - 1):
-            _stress_of_runs(chunk[c], chunk[c + 1], u, stress, scratch[c], run, forward, axes, moment, lam, mu)
+            _stress_of_runs(
+                chunk[c], chunk[c + 1], u, stress, strain, scratch[c], run, forward, axes, moment, lam, mu, tau
+            )
         for c in prange(chunk.size - 1):
             _motion_of_runs(
                 chunk[c],

@@ -2,7 +2,7 @@
 
 One step, kick-drift-kick with velocities half a step behind inside a window (the equations are in lattice_sweeps.py):
 
-    1. derivatives of the displacement from the fit, strain and its gradient, stress
+    1. derivatives of the displacement from the fit, strain and its gradient, stress with its viscous part
     2. force by the transposed fit, a = force/ρ + loads
     3. v ← e v + τφ a with e = exp(−ητ), φ = (1 − e)/(ητ): a kick under constant a that solves the damping −η v exactly
     4. u ← u + Δt v
@@ -19,16 +19,17 @@ import numpy as np
 from shared.contract import Description, Exchange, Frame, Kinematics, Loads, SolverFailed
 from shared.schema import Scene
 from solid_solver.bodies import lattice_bodies
-from solid_solver.interface import damped_kick, describe, kinematics_over_window, lame, wave_speed
-from solid_solver.lattice_sweeps import SCRATCH, SUMS, derivative_sweep, extremes, steps
+from solid_solver.interface import damped_kick, describe, kinematics_over_window, lame, viscous_time, wave_speed
+from solid_solver.lattice_sweeps import SCRATCH, STRAINS, SUMS, derivative_sweep, extremes, steps
 from solid_solver.loads import scheduled_loads
 from solid_solver.probes import solid_probes
 from solid_solver.stencil import lay_out
 from solid_solver.stresses import cauchy_fields
 
 COURANT_OF_LIMIT = 0.85
-"""Default step over the limit 2/ω_max, found for each scene by power iteration; 0.62 dx/c_p for a plain block, where
-0.73 is the limit (0.64 for a plate 4 particles across, 0.54 for 3). The rest is for the iteration's own error."""
+"""Default step over the limit, which comes from the largest frequency ω_max, found for each scene by power iteration:
+2/ω_max is 0.73 dx/c_p for a plain block (0.64 for a plate 4 particles across, 0.54 for 3). The rest is for the
+iteration's own error."""
 
 POWER_ITERATIONS = 100
 
@@ -59,6 +60,8 @@ class TotalLagrangian:
         self._forward = (layout.forward.first, layout.forward.distance, layout.forward.coefficient)
         self._transposed = (layout.transposed.first, layout.transposed.distance, layout.transposed.coefficient)
         self._stress = np.zeros((SUMS, layout.slots))
+        self._strain = np.zeros((STRAINS, layout.slots))
+        self._viscous_time = viscous_time(scene.solid)
         self._scratch = np.zeros((len(layout.chunk) - 1, SCRATCH))
         self._loads = scheduled_loads(scene, self._bodies)
         self._ramped = np.array([self._padded(r) for r in self._loads.ramped]).reshape(-1, 2, layout.slots)
@@ -108,10 +111,12 @@ class TotalLagrangian:
         return kinematics_over_window(start, end, self._public(total), t1 - t0)
 
     def state(self) -> dict[str, np.ndarray]:
-        return {"displacement": self._u, "velocity": self._v, "acceleration": self._a, "time": np.array([self._time])}
+        fields = {"displacement": self._u, "velocity": self._v, "acceleration": self._a, "strain": self._strain}
+        return {**fields, "time": np.array([self._time])}
 
     def restore(self, state: Mapping[str, np.ndarray]) -> None:
         self._u[...], self._v[...], self._a[...] = state["displacement"], state["velocity"], state["acceleration"]
+        self._strain[...] = state["strain"]
         self._time = float(state["time"][0])
         self._survey()
 
@@ -158,13 +163,14 @@ class TotalLagrangian:
 
     def _step(self, load: np.ndarray, shares: np.ndarray, kicks: np.ndarray, dt: float) -> None:
         solid, layout = self._scene.solid, self._layout
+        material = (*lame(solid), solid.density, self._viscous_time / dt if dt > 0.0 else 0.0)
         steps(
-            self._u, self._v, self._a, self._stress, self._scratch, layout.run, layout.chunk, self._forward,
-            self._transposed, self._axes, self._moment, (*lame(solid), solid.density), load, self._ramped, shares, kicks, dt,
+            self._u, self._v, self._a, self._stress, self._strain, self._scratch, layout.run, layout.chunk, self._forward,
+            self._transposed, self._axes, self._moment, material, load, self._ramped, shares, kicks, dt,
         )  # fmt: skip
 
     def _linear_step(self) -> float:
-        """Stable step of the unstrained bodies [s]: from the Courant number given, or 2/ω_max by power iteration."""
+        """Stable step of the unstrained bodies [s]: from the Courant number given, or from ω_max by power iteration."""
         solid = self._scene.solid
         dx = min(float(b.spacing.min()) for b in self._bodies)
         if solid.courant != "auto":
@@ -181,7 +187,10 @@ class TotalLagrangian:
             omega_squared = math.sqrt(np.sum(self._a**2) / np.sum(self._u**2))
             self._u[...] = self._a
         self._u[...], self._v[...], self._a[...] = saved["displacement"], saved["velocity"], saved["acceleration"]
-        return COURANT_OF_LIMIT * 2.0 / math.sqrt(omega_squared)
+        self._strain[...] = 0.0
+        # Of v' = v − Δt ω²(x + τ v), x' = x + Δt v': Δt² + 2 τ Δt < 4/ω².
+        tau = self._viscous_time
+        return COURANT_OF_LIMIT * (math.sqrt(tau**2 + 4.0 / omega_squared) - tau)
 
     def _survey(self) -> None:
         """Note the smallest det F and the largest stretch of the present state."""
