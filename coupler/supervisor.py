@@ -10,8 +10,8 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
 
-from coupler.remote import Remote
-from shared.contract import ParticipantLost
+from coupler.remote import Remote, RemoteError
+from shared.contract import BadInput, ParticipantLost, SolverFailed
 from shared.link_zenoh import ZenohLink, listening
 
 PACKAGES = {"fluid": "fluid_solver", "solid": "solid_solver"}
@@ -30,12 +30,15 @@ class Solver:
     log: Path
 
     def alive(self) -> None:
-        """Raises ParticipantLost, with the end of the log, when the process has ended."""
+        """Raises when the process has ended: its own error, or ParticipantLost with the end of its log."""
         code = self.process.poll()
         if code is None:
             return
+        text = self.log.read_text(errors="replace")
+        if code in (BadInput.exit_code, SolverFailed.exit_code) and "error: " in text:
+            raise RemoteError(text.rpartition("error: ")[2].strip(), code)
         how = f"was killed by signal {-code}" if code < 0 else f"ended with exit code {code}"
-        tail = "\n".join(self.log.read_text(errors="replace").splitlines()[-_TAIL_LINES:])
+        tail = "\n".join(text.splitlines()[-_TAIL_LINES:])
         raise ParticipantLost(
             f"the {self.name} solver (process {self.process.pid}) {how} in the middle of the run; "
             f"what it had written is kept. End of its log {self.log}:\n{tail or '(empty)'}"
