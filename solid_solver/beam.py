@@ -14,7 +14,7 @@ import numpy as np
 from shared.contract import Description, Exchange, Frame, Kinematics, Loads, SolverFailed
 from shared.schema import Scene
 from solid_solver.beam_geometry import Beam, beam_loads, first_period, make_beam
-from solid_solver.beam_points import add_forces, motion
+from solid_solver.beam_points import TERMS, add_forces, sections, spread
 from solid_solver.beam_sweeps import energies, steps, strain_rates, strains
 from solid_solver.filled import filled_bodies, point_probes
 from solid_solver.interface import describe, kinematics_over_window
@@ -41,7 +41,7 @@ class _Moving:
         strain_rates(self.q, self.v, beam.h, self.rate)
         force = self.steady[0] / beam.mass[:, :2] - self.eta * self.v[:, :2]
         self.a[beam.free, :2] = force[beam.free]
-        self._share = np.full(len(beam.element), _MIDDLE)
+        self._middles = np.arange(count - 1), np.full(count - 1, _MIDDLE)
 
     def step(self, middles: np.ndarray, dt: float, force: np.ndarray | None) -> bool:
         """Take steps of `dt` [s] about the times `middles` under `force` (m, 2) on the points; whether all converged."""
@@ -56,14 +56,13 @@ class _Moving:
     def points(self) -> np.ndarray:
         """Displacement, velocity and acceleration of the published points, (3, m, 2)."""
         out = np.empty((3, len(self.beam.element), 2))
-        self._motion(self.beam.element, self._share, self.beam.offset, out)
+        spread(*self._sections(*self._middles), self.beam.element, self.beam.offset, out)
         return out
 
-    def displacement(self, place) -> np.ndarray:
-        """Displacement (2,) [m] of one material point at its `place` in the beam."""
-        out = np.empty((3, 1, 2))
-        self._motion(*place, out)
-        return out[0, 0]
+    def displacement(self, element: np.ndarray, share: np.ndarray, offset: np.ndarray) -> np.ndarray:
+        """Displacement (2,) [m] of the material point at its place (see `Beam.place`), each (1,)."""
+        centre, slope = self._sections(element, share)
+        return (centre + offset[:, None] * slope)[0, :2]
 
     def energies(self) -> tuple[float, float]:
         """Kinetic and strain energy [J/m]."""
@@ -88,8 +87,10 @@ class _Moving:
             "axial": axial,
         }
 
-    def _motion(self, element, share, offset, out) -> None:
-        motion(self.q, self.v, self.a, self.beam.h, element, share, offset, self.beam.axes, out[0], out[1], out[2])
+    def _sections(self, element: np.ndarray, share: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        centre, slope = np.empty((len(element), TERMS)), np.empty((len(element), TERMS))
+        sections(self.q, self.v, self.a, self.beam.h, element, share, self.beam.axes, centre, slope)
+        return centre, slope
 
 
 class BeamModel:
@@ -185,7 +186,7 @@ class BeamModel:
 
     def _displacement(self, k: int, point: np.ndarray):
         place = self._beams[k].beam.place(point[None])
-        return lambda: self._beams[k].displacement(place)
+        return lambda: self._beams[k].displacement(*place)
 
     def _kinetic(self, k: int) -> float:
         return self._beams[k].energies()[0]

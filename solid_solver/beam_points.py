@@ -13,32 +13,46 @@ import math
 
 from shared.jit import njit
 
+TERMS = 6  # of a section: displacement, velocity, acceleration, x and y each
+
 
 @njit
-def motion(q, v, a, h, element, share, offset, axes, displacement, velocity, acceleration):
-    """Displacement, velocity and acceleration (m, 2) of points, in place, turned from the beam's frame by `axes`."""
+def sections(q, v, a, h, element, share, axes, centre, slope):
+    """Motion of the sections at fractions `share` (k,) of elements `element` (k,), in place: displacement, velocity
+    and acceleration (k, 6) are centre + d · slope at offset d, turned from the beam's frame by `axes`."""
     for p in range(len(element)):
-        e, xi, d = element[p], share[p], offset[p]
+        e, xi = element[p], share[p]
         first, bulge = 1.0 - xi, 0.5 * h * xi * (1.0 - xi)
         theta = first * q[e, 2] + xi * q[e + 1, 2]
         spin = first * v[e, 2] + xi * v[e + 1, 2]
         turn = first * a[e, 2] + xi * a[e + 1, 2]
         c, s = math.cos(theta), math.sin(theta)
-        fall = -s * s / (1.0 + c) if c > 0.0 else c - 1.0
+        fall = -s * s / (1.0 + c) if c > 0.0 else c - 1.0  # cos θ − 1 without cancellation
         out = bulge * (q[e, 2] - q[e + 1, 2])
         rise, pull = bulge * (v[e, 2] - v[e + 1, 2]), bulge * (a[e, 2] - a[e + 1, 2])
-        arm = d + out
-        along, normal = arm * turn + 2.0 * rise * spin, pull - arm * spin * spin
-        ux = first * q[e, 0] + xi * q[e + 1, 0] - arm * s
-        uy = first * q[e, 1] + xi * q[e + 1, 1] + d * fall + out * c
-        vx = first * v[e, 0] + xi * v[e + 1, 0] - rise * s - arm * spin * c
-        vy = first * v[e, 1] + xi * v[e + 1, 1] + rise * c - arm * spin * s
-        ax = first * a[e, 0] + xi * a[e + 1, 0] - along * c - normal * s
-        ay = first * a[e, 1] + xi * a[e + 1, 1] - along * s + normal * c
-        for i in range(2):
-            displacement[p, i] = axes[0, i] * ux + axes[1, i] * uy
-            velocity[p, i] = axes[0, i] * vx + axes[1, i] * vy
-            acceleration[p, i] = axes[0, i] * ax + axes[1, i] * ay
+        along, normal = out * turn + 2.0 * rise * spin, pull - out * spin * spin
+        local = (
+            first * q[e, 0] + xi * q[e + 1, 0] - out * s,
+            first * q[e, 1] + xi * q[e + 1, 1] + out * c,
+            first * v[e, 0] + xi * v[e + 1, 0] - rise * s - out * spin * c,
+            first * v[e, 1] + xi * v[e + 1, 1] + rise * c - out * spin * s,
+            first * a[e, 0] + xi * a[e + 1, 0] - along * c - normal * s,
+            first * a[e, 1] + xi * a[e + 1, 1] - along * s + normal * c,
+        )
+        arm = (-s, fall, -spin * c, -spin * s, spin * spin * s - turn * c, -spin * spin * c - turn * s)
+        for k in range(3):
+            for i in range(2):
+                centre[p, 2 * k + i] = axes[0, i] * local[2 * k] + axes[1, i] * local[2 * k + 1]
+                slope[p, 2 * k + i] = axes[0, i] * arm[2 * k] + axes[1, i] * arm[2 * k + 1]
+
+
+@njit
+def spread(centre, slope, section, offset, out):
+    """Displacement, velocity and acceleration, `out` (3, m, 2) in place, of points at `offset` (m,) on sections (m,)."""
+    for k in range(3):
+        for p in range(len(section)):
+            for i in range(2):
+                out[k, p, i] = centre[section[p], 2 * k + i] + offset[p] * slope[section[p], 2 * k + i]
 
 
 @njit

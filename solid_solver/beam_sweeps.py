@@ -35,7 +35,7 @@ DISSIPATION = 0.05
 """D. Modes too fast for the step shrink to 0.57 per step; a mode of 100 steps per period loses 4e-5 per period."""
 
 MOST_ITERATIONS = 30
-TOLERANCE = 1.0e-9  # of the length: the last Newton correction; what is left is about its square
+TOLERANCE = 1.0e-6  # of the thickness: the last Newton correction; what is left is about its square
 
 _SERIES = 1.0e-2  # angle below which sin(x)/x is summed by its series
 
@@ -224,7 +224,7 @@ def _one_step(state, free, mass, h, stiffness, eta, dt, load, work):
     for k in range(len(q)):
         for i in range(3):
             q1[k, i] = q[k, i] + dt * (v[k, i] + 0.5 * dt * a[k, i]) if free[k] else q[k, i]
-    limit = TOLERANCE * h * len(strain0)
+    length, thickness = h * len(strain0), math.sqrt(12.0 * stiffness[2] / stiffness[0])
     iterations = 0
     for _ in range(MOST_ITERATIONS):
         _assemble(q, q1, v, a, strain0, rate, free, mass, h, stiffness, eta, dt, node, couple, system)
@@ -234,9 +234,9 @@ def _one_step(state, free, mass, h, stiffness, eta, dt, load, work):
         for k in range(len(q)):
             for i in range(3):
                 q1[k, i] -= correction[k, i]
-            largest = max(largest, abs(correction[k, 0]), abs(correction[k, 1]), abs(h * len(strain0) * correction[k, 2]))
+            largest = max(largest, abs(correction[k, 0]), abs(correction[k, 1]), abs(length * correction[k, 2]))
         iterations += 1
-        if largest < limit:
+        if largest < TOLERANCE * thickness:
             break
         if not math.isfinite(largest) or iterations == MOST_ITERATIONS:
             return 0
