@@ -37,10 +37,41 @@ STRAINS = 9
 
 SCRATCH = SUMS * RUN
 
+SHORT = 5
+"""Particles from which a run is worth a loop over its particles: about half a vector register."""
+
+
+@njit
+def _derivatives_one_by_one(d, u, s, count, first, last, distance, coefficient):
+    """As `_derivatives`, for runs too short for a loop over their particles."""
+    ux = u[0]
+    uy = u[1]
+    for l in range(count):
+        x0 = x1 = x2 = x3 = x4 = y0 = y1 = y2 = y3 = y4 = 0.0
+        for k in range(first, last):
+            p = s + l + distance[k]
+            f, g = ux[p], uy[p]
+            c0, c1, c2, c3, c4 = coefficient[k]
+            x0 += c0 * f
+            x1 += c1 * f
+            x2 += c2 * f
+            x3 += c3 * f
+            x4 += c4 * f
+            y0 += c0 * g
+            y1 += c1 * g
+            y2 += c2 * g
+            y3 += c3 * g
+            y4 += c4 * g
+        d[l], d[l + RUN], d[l + 2 * RUN], d[l + 3 * RUN], d[l + 4 * RUN] = x0, x1, x2, x3, x4
+        d[l + 5 * RUN], d[l + 6 * RUN], d[l + 7 * RUN], d[l + 8 * RUN], d[l + 9 * RUN] = y0, y1, y2, y3, y4
+
 
 @njit
 def _derivatives(d, u, s, count, first, last, distance, coefficient):
     """D of `count` particles from slot `s` on into d[c RUN + l], c = 5 i + derivative."""
+    if count < SHORT:
+        _derivatives_one_by_one(d, u, s, count, first, last, distance, coefficient)
+        return
     d[:] = 0.0
     ux = u[0]
     uy = u[1]
@@ -123,6 +154,16 @@ def _stresses(d, count, strain, s, axes, moment, lam, mu, tau):
 @njit
 def _forces(f, stress, s, count, first, last, distance, coefficient):
     """Force per volume of `count` particles from slot `s` on, into f[l] (x) and f[l + RUN] (y)."""
+    if count < SHORT:
+        for l in range(count):
+            fx = fy = 0.0
+            for k in range(first, last):
+                p = s + l + distance[k]
+                for c in range(5):
+                    fx += coefficient[k, c] * stress[c, p]
+                    fy += coefficient[k, c] * stress[5 + c, p]
+            f[l], f[l + RUN] = fx, fy
+        return
     f[: 2 * RUN] = 0.0
     for i in range(2):
         g = f[i * RUN : (i + 1) * RUN]
@@ -137,11 +178,11 @@ def _forces(f, stress, s, count, first, last, distance, coefficient):
 
 
 @njit
-def _stress_of_runs(begin, end, u, stress, strain, d, run, forward, axes, moment, lam, mu, tau):
-    """Stresses of the runs `begin` … `end`."""
-    first, distance, coefficient = forward
-    for n in range(begin, end):
-        s, count, c, body = run[n, 0], run[n, 1], run[n, 2], run[n, 4]
+def _stress_of_chunk(chunk, u, stress, strain, d, forward, axes, moment, lam, mu, tau):
+    """Stresses of the runs of one chunk."""
+    run, bound, first, distance, coefficient = forward
+    for n in range(bound[chunk], bound[chunk + 1]):
+        s, count, c, body = run[n, 0], run[n, 1], run[n, 2], run[n, 3]
         _derivatives(d, u, s, count, first[c], first[c + 1], distance, coefficient)
         _stresses(d, count, strain, s, axes[body], moment[body], lam, mu, tau)
         for plane in range(SUMS):
@@ -150,14 +191,14 @@ def _stress_of_runs(begin, end, u, stress, strain, d, run, forward, axes, moment
 
 
 @njit
-def _motion_of_runs(begin, end, u, v, a, stress, f, run, transposed, load, ramped, share, kick, drift, density):
-    """Forces of the runs `begin` … `end`, then kick and drift of their particles.
+def _motion_of_chunk(chunk, u, v, a, stress, f, transposed, load, ramped, share, kick, drift, density):
+    """Forces of the runs of one chunk, then kick and drift of their particles.
 
     `kick`: factors (e, τφ) of v ← e v + τφ a; `drift` [s]; `share` (g,): present factors of the `ramped` loads.
     """
-    first, distance, coefficient = transposed
-    for n in range(begin, end):
-        s, count, c = run[n, 0], run[n, 1], run[n, 3]
+    run, bound, first, distance, coefficient = transposed
+    for n in range(bound[chunk], bound[chunk + 1]):
+        s, count, c = run[n, 0], run[n, 1], run[n, 2]
         _forces(f, stress, s, count, first[c], first[c + 1], distance, coefficient)
         for i in range(2):
             for l in range(count):
@@ -174,68 +215,35 @@ def _motion_of_runs(begin, end, u, v, a, stress, f, run, transposed, load, rampe
 
 
 @parallel_njit
-def steps(
-    u,
-    v,
-    a,
-    stress,
-    strain,
-    scratch,
-    run,
-    chunk,
-    forward,
-    transposed,
-    axes,
-    moment,
-    material,
-    load,
-    ramped,
-    share,
-    kicks,
-    dt,
-):
-    """Advance by `share.shape[0]` steps of `dt` [s]: stress sweep, then force, kick and drift, for each.
+def steps(now, planes, gathers, axes, moment, material, loads, kicks, dt):
+    """Advance by `shares.shape[0]` steps of `dt` [s]: stress sweep, then force, kick and drift, for each.
 
-    On entry `u` has drifted and `v` stands half a step behind it; on return `v` is complete at `u`'s time.
-    `kicks` (2, 2): factors (e, τφ) of a whole and of a half step, the half for the last. `material`: λ, μ [Pa], ρ
-    [kg/m³], and the viscosity's τ over dt.
+    On entry u has drifted and v stands half a step behind it; on return v is complete at u's time. `now`: u, v, a;
+    `planes`: stress (10, slots), strain (9, slots), scratch (chunks, SCRATCH); `gathers`: forward, transposed of stencil.py;
+    `material`: λ, μ [Pa], ρ [kg/m³], and the viscosity's τ over dt; `loads`: steady (2, slots), ramped (g, 2, slots), shares
+    (steps, g); `kicks` (2, 2): factors (e, τφ) of a whole and of a half step, the half for the last.
     """
+    u, v, a = now
+    stress, strain, scratch = planes
+    forward, transposed = gathers
     lam, mu, density, tau = material
-    count = share.shape[0]
+    load, ramped, shares = loads
+    count = shares.shape[0]
     for n in range(count):
         last = n == count - 1
         kick = kicks[1] if last else kicks[0]
         drift = 0.0 if last else dt
-        factor = share[n]
-        for c in prange(chunk.size - 1):
-            _stress_of_runs(
-                chunk[c], chunk[c + 1], u, stress, strain, scratch[c], run, forward, axes, moment, lam, mu, tau
-            )
-        for c in prange(chunk.size - 1):
-            _motion_of_runs(
-                chunk[c],
-                chunk[c + 1],
-                u,
-                v,
-                a,
-                stress,
-                scratch[c],
-                run,
-                transposed,
-                load,
-                ramped,
-                factor,
-                kick,
-                drift,
-                density,
-            )
+        share = shares[n]
+        for c in prange(forward[1].size - 1):
+            _stress_of_chunk(c, u, stress, strain, scratch[c], forward, axes, moment, lam, mu, tau)
+        for c in prange(transposed[1].size - 1):
+            _motion_of_chunk(c, u, v, a, stress, scratch[c], transposed, load, ramped, share, kick, drift, density)
 
 
 @njit
-def _derivatives_of_runs(begin, end, u, planes, d, run, forward):
-    """D of the runs `begin` … `end` into `planes`."""
-    first, distance, coefficient = forward
-    for n in range(begin, end):
+def _derivatives_of_chunk(chunk, u, planes, d, forward):
+    run, bound, first, distance, coefficient = forward
+    for n in range(bound[chunk], bound[chunk + 1]):
         s, count, c = run[n, 0], run[n, 1], run[n, 2]
         _derivatives(d, u, s, count, first[c], first[c + 1], distance, coefficient)
         for plane in range(SUMS):
@@ -244,10 +252,10 @@ def _derivatives_of_runs(begin, end, u, planes, d, run, forward):
 
 
 @parallel_njit
-def derivative_sweep(u, planes, scratch, run, chunk, forward):
+def derivative_sweep(u, planes, scratch, forward):
     """D of displacements `u` at every particle into `planes` (10, slots)."""
-    for c in prange(chunk.size - 1):
-        _derivatives_of_runs(chunk[c], chunk[c + 1], u, planes, scratch[c], run, forward)
+    for c in prange(forward[1].size - 1):
+        _derivatives_of_chunk(c, u, planes, scratch[c], forward)
 
 
 @njit

@@ -12,6 +12,7 @@ Lists of a class are padded to a multiple of GROUP with zero coefficients, the n
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 
@@ -30,10 +31,15 @@ SAME = 10
 """Decimals to which two particles' coefficients [index units] must agree to share a class."""
 
 
-@dataclass(frozen=True)
-class Classes:
-    """Neighbour lists: class c owns entries `first[c]` … `first[c+1]` of `distance` (m,) and `coefficient` (m, 5)."""
+class Gather(NamedTuple):
+    """One direction of the fit, as compiled sweeps take it.
 
+    `run` (r, 4): first slot, length, class, body; `chunk` (c+1,): bounds of the runs of each unit of threaded work;
+    class c owns entries `first[c]` … `first[c+1]` of `distance` (m,) and `coefficient` (m, 5).
+    """
+
+    run: np.ndarray
+    chunk: np.ndarray
     first: np.ndarray
     distance: np.ndarray
     coefficient: np.ndarray
@@ -41,15 +47,12 @@ class Classes:
 
 @dataclass(frozen=True)
 class Layout:
-    """`slots`: length of padded arrays; `slot` (n,): slot of each particle; `run` (r, 5): first slot, length, forward
-    class, transposed class, body; `chunk` (c+1,): runs of each unit of threaded work."""
+    """`slots`: length of padded arrays; `slot` (n,): slot of each particle; gathers of both directions."""
 
     slots: int
     slot: np.ndarray
-    run: np.ndarray
-    chunk: np.ndarray
-    forward: Classes
-    transposed: Classes
+    forward: Gather
+    transposed: Gather
 
 
 def fast_axis_first(index: np.ndarray) -> np.ndarray:
@@ -86,36 +89,43 @@ def _transpose(coefficient: np.ndarray, slot: np.ndarray, distance: np.ndarray, 
     return result
 
 
-class _ClassTable:
-    """Collects classes over bodies."""
+class _GatherTable:
+    """Collects the classes and runs of one direction over bodies."""
 
     def __init__(self):
-        self.first, self.distance, self.coefficient = [0], [], []
+        self.first, self.distance, self.coefficient, self.runs = [0], [], [], []
 
-    def add(self, coefficient: np.ndarray, distance: np.ndarray, scale: np.ndarray) -> np.ndarray:
-        """Class number of each particle (n,) for coefficients (n, k, 5), scaled to SI by `scale` (5,)."""
+    def add(self, coefficient, distance, scale, slot, body) -> None:
+        """A body's coefficients (n, k, 5) [index units] at its `slot` (n,), to be scaled to SI by `scale` (5,)."""
         flat = coefficient.reshape(len(coefficient), -1)
         _, chosen, inverse = np.unique(flat, axis=0, return_index=True, return_inverse=True)
-        start = len(self.first) - 1
+        self.runs += _runs(slot, len(self.first) - 1 + inverse.ravel(), body)
         for a in chosen:
             used = np.any(coefficient[a] != 0.0, axis=1)
             pad = -int(used.sum()) % GROUP
             self.distance.append(np.concatenate([distance[used], np.zeros(pad, dtype=np.int64)]))
             self.coefficient.append(np.concatenate([coefficient[a, used] * scale, np.zeros((pad, DERIVATIVES))]))
             self.first.append(self.first[-1] + len(self.distance[-1]))
-        return start + inverse.ravel()
 
-    def finish(self) -> Classes:
-        return Classes(np.array(self.first), np.concatenate(self.distance), np.concatenate(self.coefficient))
+    def finish(self) -> Gather:
+        run = np.array(self.runs, dtype=np.int64)
+        return Gather(
+            run,
+            _chunks(run[:, 1]),
+            np.array(self.first),
+            np.concatenate(self.distance),
+            np.concatenate(self.coefficient),
+        )
 
 
-def _runs(slot: np.ndarray, forward: np.ndarray, transposed: np.ndarray, body: np.ndarray) -> np.ndarray:
-    """Cut particles sorted by slot into runs of equal class and adjacent slots."""
-    cut = (np.diff(slot) != 1) | (np.diff(forward) != 0) | (np.diff(transposed) != 0) | (np.diff(body) != 0)
-    start = np.concatenate([[0], np.flatnonzero(cut) + 1])
+def _runs(slot: np.ndarray, cls: np.ndarray, body: int) -> list[tuple[int, int, int, int]]:
+    """Stretches of adjacent slots of equal class, in order of slots: (first slot, length, class, body)."""
+    order = np.argsort(slot)
+    slot, cls = slot[order], cls[order]
+    start = np.concatenate([[0], np.flatnonzero((np.diff(slot) != 1) | (np.diff(cls) != 0)) + 1])
     end = np.concatenate([start[1:], [len(slot)]])
     pieces = [(s, min(s + RUN, e)) for a, e in zip(start, end, strict=True) for s in range(a, e, RUN)]
-    return np.array([(slot[s], e - s, forward[s], transposed[s], body[s]) for s, e in pieces], dtype=np.int64)
+    return [(slot[s], e - s, cls[s], body) for s, e in pieces]
 
 
 def _chunks(length: np.ndarray) -> np.ndarray:
@@ -126,21 +136,14 @@ def _chunks(length: np.ndarray) -> np.ndarray:
 
 def lay_out(bodies: list[tuple[np.ndarray, Fit, np.ndarray]]) -> Layout:
     """Lay out bodies, each (index (n, 2), fit, scale (5,): factors from index units to SI per derivative)."""
-    slots, slot, body = 0, [], []
-    forward, transposed = _ClassTable(), _ClassTable()
-    forward_class, transposed_class = [], []
+    slots, slot = 0, []
+    forward, transposed = _GatherTable(), _GatherTable()
     for number, (index, fit, scale) in enumerate(bodies):
         reach = int(np.abs(fit.offset).max())
-        place, stride, slots_after = _slots(index, reach, slots + RUN)
+        place, stride, slots = _slots(index, reach, slots + RUN)
         distance = fit.offset[:, 0] + fit.offset[:, 1] * stride
         coefficient = _shared(fit.coefficient)
-        forward_class.append(forward.add(coefficient, distance, scale))
-        turned = _transpose(coefficient, place, distance, slots_after)
-        transposed_class.append(transposed.add(turned, distance, scale))
+        forward.add(coefficient, distance, scale, place, number)
+        transposed.add(_transpose(coefficient, place, distance, slots), distance, scale, place, number)
         slot.append(place)
-        body.append(np.full(len(place), number))
-        slots = slots_after
-    slot, body = np.concatenate(slot), np.concatenate(body)
-    order = np.argsort(slot, kind="stable")
-    run = _runs(slot[order], np.concatenate(forward_class)[order], np.concatenate(transposed_class)[order], body[order])
-    return Layout(slots, slot, run, _chunks(run[:, 1]), forward.finish(), transposed.finish())
+    return Layout(slots, np.concatenate(slot), forward.finish(), transposed.finish())

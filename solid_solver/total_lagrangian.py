@@ -36,8 +36,8 @@ POWER_ITERATIONS = 100
 TRIAL_STRAIN = 1.0e-7
 """Size of the displacement gradients by which the power iteration probes the linear stiffness."""
 
-PARALLEL_FROM = 3000
-"""Particles from which a second thread pays."""
+PARALLEL_FROM = 20000
+"""Particles from which a second thread pays, also beside a busy fluid: a step is then longer than a time slice lost."""
 
 
 class TotalLagrangian:
@@ -57,12 +57,10 @@ class TotalLagrangian:
         self._axes = np.array([b.axes for b in self._bodies])
         self._axis_of = np.repeat(self._axes, [len(b.position) for b in self._bodies], axis=0)
         self._moment = np.array([b.spacing**2 / 12.0 for b in self._bodies])
-        self._forward = (layout.forward.first, layout.forward.distance, layout.forward.coefficient)
-        self._transposed = (layout.transposed.first, layout.transposed.distance, layout.transposed.coefficient)
         self._stress = np.zeros((SUMS, layout.slots))
         self._strain = np.zeros((STRAINS, layout.slots))
         self._viscous_time = viscous_time(scene.solid)
-        self._scratch = np.zeros((len(layout.chunk) - 1, SCRATCH))
+        self._scratch = np.zeros((max(len(layout.forward.chunk), len(layout.transposed.chunk)), SCRATCH))
         self._loads = scheduled_loads(scene, self._bodies)
         self._ramped = np.array([self._padded(r) for r in self._loads.ramped]).reshape(-1, 2, layout.slots)
         self._probes = solid_probes(scene, self._bodies)
@@ -137,7 +135,7 @@ class TotalLagrangian:
 
     def frame(self) -> Frame:
         planes = np.zeros_like(self._stress)
-        derivative_sweep(self._u, planes, self._scratch, self._layout.run, self._layout.chunk, self._forward)
+        derivative_sweep(self._u, planes, self._scratch, tuple(self._layout.forward))
         u = self._public(self._u)
         fields = {"displacement": u, "velocity": self._public(self._v)}
         fields |= cauchy_fields(planes[:, self._slot], self._axis_of, *lame(self._scene.solid))
@@ -165,8 +163,8 @@ class TotalLagrangian:
         solid, layout = self._scene.solid, self._layout
         material = (*lame(solid), solid.density, self._viscous_time / dt if dt > 0.0 else 0.0)
         steps(
-            self._u, self._v, self._a, self._stress, self._strain, self._scratch, layout.run, layout.chunk, self._forward,
-            self._transposed, self._axes, self._moment, material, load, self._ramped, shares, kicks, dt,
+            (self._u, self._v, self._a), (self._stress, self._strain, self._scratch), (tuple(layout.forward), tuple(layout.transposed)),
+            self._axes, self._moment, material, (load, self._ramped, shares), kicks, dt,
         )  # fmt: skip
 
     def _linear_step(self) -> float:
@@ -194,6 +192,6 @@ class TotalLagrangian:
 
     def _survey(self) -> None:
         """Note the smallest det F and the largest stretch of the present state."""
-        derivative_sweep(self._u, self._stress, self._scratch, self._layout.run, self._layout.chunk, self._forward)
+        derivative_sweep(self._u, self._stress, self._scratch, tuple(self._layout.forward))
         found = extremes(self._stress, self._slot, self._axis_of)
         self._worst_det, self._worst_particle, self._largest_stretch_squared = found

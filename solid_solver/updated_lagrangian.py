@@ -27,14 +27,14 @@ from solid_solver.shifting import NEEDED, shift, short_range
 from solid_solver.stresses import stress_fields
 from solid_solver.updated_sweeps import extreme_density, moved_too_far, nearest_distances, steps
 
-COURANT = 0.6
+COURANT = 0.7
 """Default step over dx/c_p: 1.0 still runs the clamped beam at α = 1 and ν = 0 … 0.4."""
 
 SKIN = 0.6
 """Width of the neighbour list's skin over the spacing: half of it may be walked before the list is made anew."""
 
-PARALLEL_FROM = 500
-"""Particles from which a second thread pays."""
+PARALLEL_FROM = 4000
+"""Particles from which a second thread pays, also beside a busy fluid."""
 
 FRACTURE_GAP = 2.0
 """Distance to the nearest particle, over the spacing, past which the body has come apart."""
