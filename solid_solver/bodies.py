@@ -101,8 +101,9 @@ def _lattice_body(scene: Scene, shape: SolidBody, first: int) -> LatticeBody:
     if fit.deficient.any():
         where = particles.position[np.argmax(fit.deficient)]
         raise BadInput(
-            f"Body '{shape.name}' is too thin for its particles at ({where[0]:.4g}, {where[1]:.4g}) m: derivatives need "
-            f"three or more particles across, and solid.dx is {solid.dx:g} m. Make solid.dx at most a third of the thickness."
+            f"Body '{shape.name}' is too thin for its particles at ({where[0]:.4g}, {where[1]:.4g}) m: derivatives "
+            f"need three or more particles across, and solid.dx is {solid.dx:g} m. "
+            f"Make solid.dx at most a third of the thickness."
         )
     return LatticeBody(shape, first, particles.position, index, spacing, axes, origin, fixed, fit)
 

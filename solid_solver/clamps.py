@@ -11,8 +11,8 @@ from shared.schema import Clamp
 
 FACE_POINT_WEIGHT = 0.5
 """Weight of a fixed point in the quadratic fit, against 1 for a particle: the half cell between the face and the
-outermost particles. On a clamped beam under uniform load it leaves 0.7 % (10 across) and 0.3 % (20) too much deflection,
-full weight 1.3 % and 0.6 %, a quarter 0.7 % and 0.2 %."""
+outermost particles. On a clamped beam under uniform load it leaves 0.7 % (10 across) and 0.3 % (20) too much
+deflection, full weight 1.3 % and 0.6 %, a quarter 0.7 % and 0.2 %."""
 
 _WHOLE = 1.0e-6  # relative tolerance within which a segment is a whole number of spacings long
 
@@ -38,9 +38,9 @@ def face_points(segments: np.ndarray, axes: np.ndarray, spacing: np.ndarray) -> 
 def fixed_particles(body, clamps: list[Clamp], beyond: float) -> tuple[np.ndarray, np.ndarray]:
     """Fixed particles of a `LatticeBody`: positions (m, 2) [m] and areas (m,) [m²].
 
-    `beyond` = 0: on the clamped faces, a whole cell each (half a cell is softer: 5.3 % too much deflection of the clamped
-    beam at 10 across against 4.2 %). Otherwise columns of cells continue the lattice behind the faces to a depth of
-    `beyond` spacings.
+    `beyond` = 0: on the clamped faces, a whole cell each (half a cell is softer: 5.3 % too much deflection of the
+    clamped beam at 10 across against 4.2 %). Otherwise columns of cells continue the lattice behind the faces to a
+    depth of `beyond` spacings.
     """
     points, areas = [np.zeros((0, 2))], [np.zeros(0)]
     for clamp in (c for c in clamps if c.body == body.shape.name):

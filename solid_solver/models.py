@@ -5,10 +5,18 @@ from __future__ import annotations
 from shared.contract import Model
 from shared.schema import Scene
 from solid_solver.beam import BeamModel
+from solid_solver.rigid import Rigid
+from solid_solver.rigid_spring import SpringModel
 from solid_solver.total_lagrangian import TotalLagrangian
 from solid_solver.updated_lagrangian import UpdatedLagrangian
 
-MODELS = {"total-lagrangian": TotalLagrangian, "ctvf": UpdatedLagrangian, "beam": BeamModel}
+MODELS = {
+    "total-lagrangian": TotalLagrangian,
+    "ctvf": UpdatedLagrangian,
+    "beam": BeamModel,
+    "rigid": Rigid,
+    "spring": SpringModel,
+}
 """A new model is one new file and one entry here."""
 
 

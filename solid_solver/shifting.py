@@ -6,8 +6,8 @@ A particle is pushed away from neighbours that are closer than the spacing s tha
 
 a few times over. κ is a pure number. Because the support is one spacing, an unstrained lattice is not moved, not
 even at its faces and corners, where sums over the full kernel see the missing side. Boundary particles move along
-the face only. The fields follow by f ← f + δ·∇f, which is the transport by the velocity ũ − u = δ/Δt; the material tracer
-stays where it is.
+the face only. The fields follow by f ← f + δ·∇f, which is the transport by the velocity ũ − u = δ/Δt; the material
+tracer stays where it is.
 """
 
 from __future__ import annotations
@@ -73,7 +73,7 @@ def shifts(x, volume, spacing, free, first, neighbour, code, h, delta):
 
 @parallel_njit
 def field_changes(x, fields, volume, correction, delta, free, first, neighbour, code, h, change):
-    """δ·∇f = Σ_b V_b (f_b − f_a) (δ_a·B_a ∇W_ab) for `fields` (c, n) into `change` (c, free): exact for linear fields."""
+    """δ·∇f = Σ_b V_b (f_b − f_a) (δ_a·B_a ∇W_ab) for `fields` (c, n) into `change` (c, free): exact for linear ones."""
     for a in prange(free):
         change[:, a] = 0.0
         # δ·(raw M⁻¹) = raw·(M⁻¹ δ)
@@ -87,10 +87,12 @@ def field_changes(x, fields, volume, correction, delta, free, first, neighbour, 
                 change[c, a] += weight * (fields[c, b] - fields[c, a])
 
 
-def shift(
-    x, u, mass, volume, rho, stress, curvature, offset, correction, spacing, free, first, neighbour, code, h
-) -> None:
-    """Shift the first `free` particles, in place, and carry their fields along (see the module's text)."""
+def shift(x, u, material, correction, spacing, free, first, neighbour, code, h) -> None:
+    """Shift the first `free` particles, in place, and carry their fields along (see the module's text).
+
+    `material`: m, V, ρ, S, Q and tracer offsets, as in updated_sweeps.steps.
+    """
+    mass, volume, rho, stress, curvature, offset = material
     delta = np.zeros((2, free))
     fields = np.empty((9, len(rho)))
     change = np.empty((9, free))

@@ -1,9 +1,9 @@
 """Storage of lattice bodies for fast sweeps: padded rows, and runs of particles that share their coefficients.
 
 On a lattice most particles have the same neighbourhood, hence the same fit coefficients. Each body is laid out in rows
-along its longer direction, with empty slots around it, so that a neighbour is a fixed distance away in memory. A *run* is
-a stretch of one row whose particles share their *class*: a list of neighbour distances with the coefficients of the
-derivatives, forward (a gathers its neighbours' displacements) and transposed (a gathers its neighbours' stresses).
+along its longer direction, with empty slots around it, so that a neighbour is a fixed distance away in memory. A
+*run* is a stretch of one row whose particles share their *class*: a list of neighbour distances with the coefficients
+of the derivatives, forward (a gathers its neighbours' displacements) and transposed (a gathers their stresses).
 A sweep over a run then reads contiguous memory and holds its coefficients in registers.
 
 Lists of a class are padded to a multiple of GROUP with zero coefficients, the number of neighbours handled per loop.

@@ -20,10 +20,11 @@ from shared.contract import Description, Exchange, Frame, Kinematics, Loads, Sol
 from shared.schema import Scene
 from solid_solver.bodies import lattice_bodies
 from solid_solver.interface import damped_kick, describe, kinematics_over_window, lame, viscous_time, wave_speed
-from solid_solver.lattice_sweeps import SCRATCH, STRAINS, SUMS, derivative_sweep, extremes, steps
+from solid_solver.lattice_sweeps import SCRATCH, SUMS, derivative_sweep, steps
 from solid_solver.loads import scheduled_loads
 from solid_solver.probes import solid_probes
 from solid_solver.stencil import lay_out
+from solid_solver.strain_gradient import STRAINS, extremes
 from solid_solver.stresses import cauchy_fields
 
 COURANT_OF_LIMIT = 0.85
@@ -125,8 +126,8 @@ class TotalLagrangian:
         what = "the state is not finite" if math.isnan(self._worst_det) else f"det F = {self._worst_det:.3g}"
         raise SolverFailed(
             f"The solid failed at t = {self._time:.6g} s: {what} at the particle with reference position "
-            f"({place[0]:.5g}, {place[1]:.5g}) m, so it is turned inside out or lost. Lower solid.courant (step now at most "
-            f"{self.stable_step():.3g} s), refine solid.dx, or check that the loads suit the material."
+            f"({place[0]:.5g}, {place[1]:.5g}) m, so it is turned inside out or lost. Lower solid.courant (step now at "
+            f"most {self.stable_step():.3g} s), refine solid.dx, or check that the loads suit the material."
         )
 
     def probe_values(self) -> dict[str, float]:
@@ -162,10 +163,10 @@ class TotalLagrangian:
     def _step(self, load: np.ndarray, shares: np.ndarray, kicks: np.ndarray, dt: float) -> None:
         solid, layout = self._scene.solid, self._layout
         material = (*lame(solid), solid.density, self._viscous_time / dt if dt > 0.0 else 0.0)
-        steps(
-            (self._u, self._v, self._a), (self._stress, self._strain, self._scratch), (tuple(layout.forward), tuple(layout.transposed)),
-            self._axes, self._moment, material, (load, self._ramped, shares), kicks, dt,
-        )  # fmt: skip
+        now, planes = (self._u, self._v, self._a), (self._stress, self._strain, self._scratch)
+        gathers = tuple(layout.forward), tuple(layout.transposed)
+        loads = load, self._ramped, shares
+        steps(now, planes, gathers, self._axes, self._moment, material, loads, kicks, dt)
 
     def _linear_step(self) -> float:
         """Stable step of the unstrained bodies [s]: from the Courant number given, or from ω_max by power iteration."""

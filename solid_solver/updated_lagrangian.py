@@ -1,9 +1,9 @@
 """Model `ctvf`: the updated-Lagrangian solid with Jaumann rate and iterative shifting (Adepu & Ramachandran).
 
-The equations are in updated_sweeps.py and shifting.py. Clamped faces carry fixed particles that take part in the stress:
-on the face, with a whole cell each, under the corrected gradient; columns that fill the kernel's support
-beyond the face under the printed one, whose sums need them. What is published are material tracers: each particle carries
-the offset to the material point that it stood on at the start.
+The equations are in updated_sweeps.py, updated_material.py and shifting.py. Clamped faces carry fixed particles that
+take part in the stress: on the face, with a whole cell each, under the corrected gradient; columns that fill the
+kernel's support beyond the face under the printed one, whose sums need them. What is published are material tracers:
+each particle carries the offset to the material point that it stood on at the start.
 """
 
 from __future__ import annotations
@@ -118,10 +118,18 @@ class UpdatedLagrangian:
 
     def state(self) -> dict[str, np.ndarray]:
         return {
-            "position": self._x, "velocity": self._u, "acceleration": self._a, "density": self._rho, "stress": self._stress,
-            "curvature_stress": self._curvature, "offset": self._offset, "derivatives": self._sums[0], "correction": self._sums[1],
-            "listed_at": self._built, "time": np.array([self._time]),
-        }  # fmt: skip
+            "position": self._x,
+            "velocity": self._u,
+            "acceleration": self._a,
+            "density": self._rho,
+            "stress": self._stress,
+            "curvature_stress": self._curvature,
+            "offset": self._offset,
+            "derivatives": self._sums[0],
+            "correction": self._sums[1],
+            "listed_at": self._built,
+            "time": np.array([self._time]),
+        }
 
     def restore(self, state: Mapping[str, np.ndarray]) -> None:
         for name, array in self.state().items():
@@ -208,18 +216,15 @@ class UpdatedLagrangian:
         corrected = solid.gradient == "linear"
         bending = solid.youngs_modulus / (1.0 - solid.poisson_ratio**2) if corrected else 0.0
         numbers = dt, viscosity, (mu, c_squared, solid.density, bending), corrected
+        material = self._mass, self._volume, self._rho, self._stress, self._curvature, self._offset
+        sums, kernel = (*self._sums, self._crowding), (self._kernel.code, self._h)
+        kick = damped_kick(solid.damping, 0.5 * dt)
         done = 0
         while done < substeps:
             if moved_too_far(self._x, self._u, self._built, self._allowed, dt):
                 self._find_neighbours(self._x)
-            done, due = steps(
-                (self._x, self._u, self._a), (self._mass, self._volume, self._rho, self._stress, self._curvature, self._offset), (*self._sums, self._crowding),
-                (self._first, self._neighbour, self._built, self._allowed), (self._kernel.code, self._h), loads,
-                damped_kick(solid.damping, 0.5 * dt), (*numbers, done, self._spacing, crowded),
-            )  # fmt: skip
+            pairs = self._first, self._neighbour, self._built, self._allowed
+            counters = *numbers, done, self._spacing, crowded
+            done, due = steps((self._x, self._u, self._a), material, sums, pairs, kernel, loads, kick, counters)
             if due:
-                shift(
-                    self._x, self._u, self._mass, self._volume, self._rho, self._stress, self._curvature, self._offset, self._sums[1],
-                    self._spacing,
-                    self._free, self._first, self._neighbour, self._kernel.code, self._h,
-                )  # fmt: skip
+                shift(self._x, self._u, material, self._sums[1], self._spacing, self._free, *pairs[:2], *kernel)

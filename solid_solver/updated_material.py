@@ -3,16 +3,17 @@
     dρ/dt = −ρ ∇·u,   dS/dt = 2G (ε̇ − tr(ε̇) I/3) + S Ωᵀ + Ω S,   p = c² (ρ − ρ0),  c² = K/ρ0
     dQ/dt = E' V/12 ∇²u + Ω Q,   E' = E/(1 − ν²)
 
-The rate of S is stated with the trace that the paper's print lacks. Q is not in the paper: the energy V/12 · ½ E' |∇²u|² of
-the strain's variation over a cell, which the stress at the particle does not see. It is what bending about the particle itself
-costs, and it gives a stiffness to the modes that alternate from particle to particle: with none, a strip pulled by 4 %
-pairs its particles and breaks, and the clamped beam yields twice as much at 10 across. Nothing to tune.
+The rate of S is stated with the trace that the paper's print lacks. Q is not in the paper: it belongs to the energy
+V/12 · ½ E' |∇²u|² of the strain's variation over a cell, which the stress at the particle does not see. That is what
+bending about the particle itself costs, and it makes the modes stiff that alternate from particle to particle: without
+it a strip pulled by 4 % pairs its particles and breaks. Nothing to tune.
 """
 
 from __future__ import annotations
 
-from shared.jit import njit, parallel_njit
 from numba import prange
+
+from shared.jit import njit, parallel_njit
 
 
 @njit

@@ -8,8 +8,8 @@ m mass, V = m/ρ, W kernel, ∇W = F r_ab, r_ab = x_a − x_b, ε̇ and Ω symme
     du_a/dt = Σ_b m_b [(T_a B_aᵀ/ρ_a² + T_b B_bᵀ/ρ_b² − Π_ab I) ∇W_ab + |F_ab| (k_a Q_a/ρ_a² − k_b Q_b/ρ_b²)]
     T = σ − k Q ⊗ s,   σ = S − p I,   Π_ab = −α h c φ/ρ̄ where φ = u_ab·r_ab/(r² + 0.01 h²) < 0
 
-∇u is exact for linear fields, ∇²u zero for them. Forces are the exact transpose of these derivatives, so that σ and Q (see
-updated_material.py) do on the particles the work that they do on the material, and momentum is kept.
+∇u is exact for linear fields, ∇²u zero for them. Forces are the exact transpose of these derivatives, so that σ and Q
+(see updated_material.py) do on the particles the work that they do on the material, and momentum is kept.
 """
 
 from __future__ import annotations
@@ -99,7 +99,7 @@ def accelerations(x, u, mass, volume, flux, first, neighbour, code, h, viscosity
 
 @parallel_njit
 def nearest_distances(x, first, neighbour, spacing, nearest):
-    """Smallest r/s over the neighbours of each of the free particles into `nearest` (free,); `spacing`: s by neighbour."""
+    """Smallest r/s over the neighbours of each free particle into `nearest` (free,); `spacing`: s by neighbour."""
     for a in prange(nearest.size):
         closest = math.inf
         for k in range(first[a], first[a + 1]):
@@ -157,11 +157,11 @@ def extreme_density(rho, stress):
 def steps(now, material_state, sums, pairs, kernel, loads, kicks, numbers):
     """Take steps until `kicks` is used up, the neighbour list is outgrown, or shifting is due.
 
-    `now`: x (2, n), u (2, n), a (2, free); `material_state`: m, V, ρ, S, Q, tracer offsets; `sums`: derivatives, correction, flux,
-    crowding; `pairs`: first, neighbour, positions at the list's making, allowed displacement; `kernel`:
-    code, h; `loads`: steady (2, free), ramped (g, 2, free), shares (steps + 1, g); `kicks`: (e, τφ) of half a step;
-    `numbers`: dt, α h c, (G, c², ρ0, E'), corrected, first step to take, spacings (n,), crowding that calls for
-    shifting.
+    `now`: x (2, n), u (2, n), a (2, free); `material_state`: m, V, ρ, S, Q, tracer offsets; `sums`: derivatives,
+    correction, flux, crowding; `pairs`: first, neighbour, positions at the list's making, allowed displacement;
+    `kernel`: code, h; `loads`: steady (2, free), ramped (g, 2, free), shares (steps + 1, g); `kicks`: (e, τφ) of half
+    a step; `numbers`: dt, α h c, (G, c², ρ0, E'), corrected, first step to take, spacings (n,), crowding that calls
+    for shifting.
     Returns the number of the next step and whether shifting is due. One step:
 
         1. u ← half a kick under the loads at its start     2. x ← x + ½ Δt u

@@ -81,8 +81,8 @@ def test_simple_shear_follows_the_jaumann_solution():
     s, steps, shear = (0.0, 0.0, 0.0, 0.0), 4000, 2.0
     for _ in range(steps):
         s = turned_stress(s, (0.0, 4.0 / steps, 0.0, 0.0), shear, 1.0)
-    np.testing.assert_allclose(s, [shear * (1 - math.cos(4.0)), shear * math.sin(4.0), -shear * (1 - math.cos(4.0)), 0.0],
-                               atol=5e-3)  # fmt: skip
+    normal = shear * (1.0 - math.cos(4.0))
+    np.testing.assert_allclose(s, [normal, shear * math.sin(4.0), -normal, 0.0], atol=5e-3)
 
 
 def test_forces_do_the_work_of_the_stresses_and_keep_momentum():
