@@ -98,7 +98,7 @@ def make_forces(kernel: int, viscous: bool, shifting: bool):
                     S[AX, a] = ax + c.gx
                     S[AY, a] = ay + c.gy
                     if shifting:
-                        dx, dy = shift_velocity(cx, cy, near_x, near_y, div_r, c.h, u_max)
+                        dx, dy = shift_velocity(cx, cy, near_x, near_y, div_r, u_max, c)
                         S[AX, a] += dx * u_x + dy * u_y
                         S[AY, a] += dx * v_x + dy * v_y
                         S[SX, a], S[SY, a] = dx, dy

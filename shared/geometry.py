@@ -30,6 +30,7 @@ __all__ = [
 ]
 
 _LONGEST_MITRE = 2.0  # how far, over the depth, a layer runs on past a corner: farther ones are out of reach
+_OVERLAP = 0.25  # of dx: reach of the later segment past a corner's bisector; without, unlike spacings leave holes
 _TOO_CLOSE = 0.5  # distance over dx below which two wall particles are taken as one
 
 
@@ -125,7 +126,7 @@ def _segment_layers(
     tie = 1e-6 * dx
     keep = distance_to(segments, points) >= d - tie
     if before is not None:
-        keep &= (points - start) @ _across_bisector(before, segments[index]) > tie
+        keep &= (points - start) @ _across_bisector(before, segments[index]) > -_OVERLAP * dx
     if after is not None:
         keep &= (points - end) @ _across_bisector(segments[index], after) <= tie
     return points[keep], float(spacing * dx)

@@ -126,6 +126,17 @@ def test_walls_stop_where_the_structure_begins():
     assert np.all(kind[inside] == STRUCTURE)
 
 
+def test_corners_of_unlike_spacing_have_no_holes():
+    """0.584 m is no multiple of 6 mm: fluid once left the tank along the corner's bisector."""
+    wall = {"name": "tank", "polyline": [(0.0, 0.3), (0.0, 0.0), (0.584, 0.0), (0.584, 0.3)]}
+    water = [{"name": "water", "rectangle": (0.0, 0.0, 0.146, 0.2)}]
+    model = make_model(scene(water, [wall], dx=6e-3), False, 1)
+    inside = np.linspace(0.0, model.c.support - 0.5 * model.c.dx, 40)
+    for x in (0.584 + inside, -inside):
+        gap = np.hypot(*(model.ghosts.position[:, None] - np.c_[x, -inside][None]).T).min(axis=1)
+        assert gap.max() < 0.75 * model.c.dx
+
+
 def test_structure_ghosts_follow_the_window_without_a_jump():
     """Cubic Hermite: a motion that is cubic in time is met exactly, in place and velocity."""
     t0, t1 = 0.3, 0.5
