@@ -16,6 +16,7 @@ from shared.curves import read_curve
 from shared.geometry import contains, distance_to, faces, outline
 from shared.scene_fields import suggest
 from shared.scene_geometry import GEOMETRY_CHECKS, has_shape
+from shared.scene_models import MODEL_CHECKS
 from shared.schema import Scene
 
 _ON_BODY = 1e-6  # distance over the body's size within which a point counts as on the body
@@ -37,7 +38,7 @@ _QUANTITIES = {
 
 def check_scene(scene: Scene) -> list[str]:
     """All mistakes found between the tables of `scene`."""
-    checks = (_sides, _unique_names, _times, _clamps_and_loads, _probes, _references, *GEOMETRY_CHECKS)
+    checks = (_sides, _unique_names, _times, _clamps_and_loads, _probes, _references, *GEOMETRY_CHECKS, *MODEL_CHECKS)
     return [mistake for check in checks for mistake in check(scene)]
 
 

@@ -80,7 +80,7 @@ def _allowed(annotation: Any, metadata: Iterable[Any]) -> str:
     return _range("whole number" if annotation is int else "number", metadata)
 
 
-_NUMBERS = {2: "two numbers", 4: "four numbers"}
+_NUMBERS = {2: "two numbers", 3: "three numbers", 4: "four numbers"}
 
 
 def _range(kind: str, metadata: Iterable[Any]) -> str:

@@ -12,7 +12,7 @@ import numpy as np
 from scipy.spatial import cKDTree
 
 from shared.geometry import contains, distance_to, faces, fill, outline, own_box, wall_particles
-from shared.schema import SHAPE_KINDS, Body, Scene, Shape
+from shared.schema import RIGID_MODELS, SHAPE_KINDS, Body, Scene, Shape
 
 OVERLAP_TOLERANCE = 0.01  # depth over dx up to which two bodies only touch
 MOST_CELLS = 2e7  # particles per body that fit the memory of a large workstation
@@ -156,8 +156,8 @@ def _behind_walls(scene: Scene) -> Iterator[str]:
 
 
 def _clamped(scene: Scene) -> Iterator[str]:
-    """Every solid body is clamped or meant to be free, and clamped faces hold particles."""
-    if scene.solid is None:
+    """Every elastic body is clamped or meant to be free, and clamped faces hold particles."""
+    if scene.solid is None or scene.solid.model in RIGID_MODELS:
         return
     clamps = scene.solid.clamps or []
     clamped = {clamp.body for clamp in clamps}

@@ -9,6 +9,7 @@ import numpy as np
 
 from shared.geometry import fill, outline
 from shared.scene_geometry import WANTED_ACROSS, WANTED_ANISOTROPY, WANTED_RATIO, across
+from shared.scene_models import MODEL_WARNINGS
 from shared.schema import Scene
 
 _SAFE_MACH = 0.2  # free-fall speed over sound speed above which water is visibly compressed
@@ -16,7 +17,7 @@ _SAFE_MACH = 0.2  # free-fall speed over sound speed above which water is visibl
 
 def scene_warnings(scene: Scene) -> list[str]:
     """One sentence per doubt about a checked scene, each starting with the path."""
-    rules = (_anisotropy, _thin, _spacing_ratio, _walls, _dissipation, _sound_speed, _intervals)
+    rules = (_anisotropy, _thin, _spacing_ratio, _walls, _dissipation, _sound_speed, _intervals, *MODEL_WARNINGS)
     return [warning for rule in rules for warning in rule(scene)]
 
 
@@ -33,7 +34,8 @@ def _anisotropy(scene: Scene) -> Iterator[str]:
 
 
 def _thin(scene: Scene) -> Iterator[str]:
-    for i, body in enumerate(scene.solid.bodies if scene.solid else []):
+    made_of_particles = scene.solid is not None and scene.solid.model in ("total-lagrangian", "ctvf")
+    for i, body in enumerate(scene.solid.bodies if made_of_particles else []):
         count = across(body, scene.solid.dx)
         if count < WANTED_ACROSS:
             yield f"solid.bodies[{i}]: {count} particles across '{body.name}'; bending wants {WANTED_ACROSS} or more"

@@ -219,16 +219,40 @@ class Load(Table):
         return self
 
 
+Springs = tuple[NonNegative, NonNegative, NonNegative]
+
+
+class Spring(Table):
+    """What holds each body of model spring: to the place and angle where it stands at t = 0."""
+
+    stiffness: Springs = key(
+        (0.0, 0.0, 0.0),
+        unit="N/m, N/m, N m",
+        about="per metre of depth: against the centre of mass moving along x and y, and against rotation; none negative",
+    )
+    damping: Springs = key(
+        (0.0, 0.0, 0.0),
+        unit="N s/m, N s/m, N m s",
+        about="per metre of depth: against the rates of the same motions; none negative",
+    )
+
+
+RIGID_MODELS = ("rigid", "spring")
+
+
 class Solid(Table):
-    model: Literal["total-lagrangian", "ctvf", "beam"] = key(
+    model: Literal["total-lagrangian", "ctvf", "beam", "rigid", "spring"] = key(
         about=(
             "total-lagrangian: fixed neighbours, quadratic fit; ctvf: updated Lagrangian with iterative shifting; "
-            "beam: slender rectangles as Timoshenko beams"
+            "beam: slender rectangles as Timoshenko beams; rigid: fixed, or moved by solid.motion; "
+            "spring: rigid bodies on springs and dampers, or free"
         )
     )
     dx: Positive = key(unit="m", about="particle spacing; each body fits it per axis")
     density: Positive = key(unit="kg/m³", about="reference density")
-    youngs_modulus: Positive = key(unit="Pa", about="Young's modulus")
+    youngs_modulus: Positive | None = key(
+        None, unit="Pa", about="Young's modulus; needed by all models but rigid and spring"
+    )
     poisson_ratio: float = key(0.0, unit="-", about="Poisson's ratio, plane strain", ge=0.0, lt=0.5)
     damping: NonNegative = key(0.0, unit="1/s", about="rate η of the damping force −η m u")
     alpha: NonNegative = key(
@@ -252,8 +276,18 @@ class Solid(Table):
     )
     gravity: bool = key(True, about="the scene's gravity acts on the solid too")
     bodies: list[SolidBody] = key(about="elastic bodies", min_length=1)
+    motion: Motion | None = key(
+        None, about="prescribed motion of all bodies (model rigid only); absent: they stand still"
+    )
+    spring: Spring = key(Spring(), about="springs and dampers of model spring; as it stands, its bodies are free")
     clamps: list[Clamp] = key([], about="faces held fixed")
     loads: list[Load] = key([], about="tractions and accelerations")
+
+    @model_validator(mode="after")
+    def _elastic(self):
+        if self.youngs_modulus is None and self.model not in RIGID_MODELS:
+            raise ValueError(f"youngs_modulus is missing; Young's modulus [Pa] is needed by model {self.model}")
+        return self
 
 
 class Coupling(Table):

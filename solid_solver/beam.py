@@ -1,8 +1,8 @@
 """Model `beam`: slender rectangles as Timoshenko beams, co-rotational, implicit in time.
 
-What is published are the points of the particle lattice, moved with their section, so that a fluid cannot tell a beam from
-particles. Forces on them become forces and moments on the beam by the transposed relation. The equations are in
-beam_sweeps.py and beam_points.py.
+What is published are the points of the particle lattice, moved with their section, so that a fluid cannot tell a beam
+from particles. Forces on them become forces and moments on the beam by the transposed relation. The equations are in
+beam_element.py, beam_sweeps.py and beam_points.py.
 """
 
 from __future__ import annotations
@@ -13,9 +13,10 @@ import numpy as np
 
 from shared.contract import Description, Exchange, Frame, Kinematics, Loads, SolverFailed
 from shared.schema import Scene
+from solid_solver.beam_element import energies, strain_rates, strains
 from solid_solver.beam_geometry import Beam, beam_loads, first_period, make_beam
 from solid_solver.beam_points import TERMS, add_forces, sections, spread
-from solid_solver.beam_sweeps import energies, steps, strain_rates, strains
+from solid_solver.beam_sweeps import steps
 from solid_solver.filled import filled_bodies, point_probes
 from solid_solver.interface import describe, kinematics_over_window
 from solid_solver.loads import ramp_shares
@@ -44,7 +45,7 @@ class _Moving:
         self._middles = np.arange(count - 1), np.full(count - 1, _MIDDLE)
 
     def step(self, middles: np.ndarray, dt: float, force: np.ndarray | None) -> bool:
-        """Take steps of `dt` [s] about the times `middles` under `force` (m, 2) on the points; whether all converged."""
+        """Take steps of `dt` [s] about the times `middles` under `force` (m, 2) on the points; did all converge?"""
         beam, load = self.beam, self.steady
         if force is not None:
             load = load[0].copy(), load[1].copy()
@@ -153,8 +154,8 @@ class BeamModel:
             return
         what = "the state is not finite" if self._converged else "a step found no equilibrium"
         raise SolverFailed(
-            f"The beam failed at t = {self._time:.6g} s: {what}. Its loads are too large for its stiffness within one step "
-            f"(at most {self._stable_step:.3g} s now): ramp the loads, shorten coupling.window, or check units."
+            f"The beam failed at t = {self._time:.6g} s: {what}. Its loads are too large for its stiffness within one "
+            f"step (now at most {self._stable_step:.3g} s): ramp the loads, shorten coupling.window, or check units."
         )
 
     def probe_values(self) -> dict[str, float]:

@@ -23,9 +23,10 @@ _SIDES = {"left": (0, -1.0), "right": (0, 1.0), "bottom": (1, -1.0), "top": (1, 
 
 @dataclass(frozen=True)
 class Beam:
-    """A body as a beam. `axes` (2, 2): rows along the axis and along the section's normal, a quarter turn on;
-    `h` [m]: element length; `free` (n + 1,): nodes not clamped; `mass` (n + 1, 3): lumped mass [kg/m] twice and rotary
-    inertia [kg m] per node; `stiffness`: EA, GA*, EI per metre of depth; `element` (m,), `offset` (m,) [m]: of its points."""
+    """A body as a beam. `axes` (2, 2): rows along the axis and along the section's normal, a quarter turn on; `origin`
+    (2,) [m]: its first node; `h` [m]: element length; `free` (n + 1,): nodes not clamped; `mass` (n + 1, 3): lumped
+    mass [kg/m] twice and rotary inertia [kg m] per node; `stiffness`: EA, GA*, EI per metre of depth; `element` (m,)
+    and `offset` (m,) [m]: of its points."""
 
     body: FilledBody
     axes: np.ndarray
@@ -50,7 +51,9 @@ def make_beam(scene: Scene, body: FilledBody) -> Beam:
     """The beam in place of a body. Raises BadInput for a shape, or a clamp, that is none of a beam's."""
     solid, rectangle = scene.solid, body.shape.rectangle
     if rectangle is None:
-        raise BadInput(f"Body '{body.shape.name}' is no rectangle, so model beam cannot stand for it; use total-lagrangian.")
+        raise BadInput(
+            f"Body '{body.shape.name}' is no rectangle, so model beam cannot stand for it; use total-lagrangian."
+        )
     size = np.array([rectangle[2] - rectangle[0], rectangle[3] - rectangle[1]])
     axis = int(size[1] > size[0])
     length, thickness = float(size[axis]), float(size[1 - axis])
@@ -63,8 +66,8 @@ def make_beam(scene: Scene, body: FilledBody) -> Beam:
         normal, sense = _SIDES[clamp.face]
         if normal != axis:
             raise BadInput(
-                f"Face '{clamp.face}' of body '{body.shape.name}' is a long one: model beam can be held at its ends only; "
-                "clamp a short face, or use total-lagrangian."
+                f"Face '{clamp.face}' of body '{body.shape.name}' is a long one: model beam can be held at its ends "
+                "only; clamp a short face, or use total-lagrangian."
             )
         free[0 if sense < 0.0 else -1] = False
     share = np.full(count + 1, h)

@@ -4,7 +4,7 @@ A point stands in element e at the fraction ξ of its length and at offset d fro
 
     x = (1 − ξ) r1 + ξ r2 + (d + b (θ1 − θ2)) n(θ),  θ = (1 − ξ) θ1 + ξ θ2,  n = (−sin θ, cos θ),  b = h ξ (1 − ξ)/2.
 
-Forces go to the nodes by the transpose of the same relation (in beam_sweeps.py), so that their work is that of the nodes.
+Forces go to the nodes by the transpose of the same relation (in beam_element.py): their work is that of the nodes.
 """
 
 from __future__ import annotations
@@ -48,7 +48,7 @@ def sections(q, v, a, h, element, share, axes, centre, slope):
 
 @njit
 def spread(centre, slope, section, offset, out):
-    """Displacement, velocity and acceleration, `out` (3, m, 2) in place, of points at `offset` (m,) on sections (m,)."""
+    """Displacement, velocity and acceleration of points at `offset` (m,) on sections (m,), into `out` (3, m, 2)."""
     for k in range(3):
         for p in range(len(section)):
             for i in range(2):

@@ -1,0 +1,52 @@
+"""Points of a rigid body: rotation is exact, so that distances between them never change."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from shared.contract import Description
+from shared.schema import Scene
+from solid_solver.filled import FilledBody
+from solid_solver.interface import thickness
+
+
+def moved(arm: np.ndarray, pose: np.ndarray) -> np.ndarray:
+    """Displacement, velocity and acceleration, (3, n, 2), of points at `arm` (n, 2) [m] from the centre.
+
+    `pose` (3, 3): the centre's displacement x, y [m] and the angle [rad], their rates, their second rates.
+    """
+    angle, spin, turn = pose[:, 2]
+    c, s = math.cos(angle), math.sin(angle)
+    fall = -2.0 * math.sin(0.5 * angle) ** 2  # cos − 1 without cancellation
+    carried = arm @ np.array([[fall, s], [-s, fall]])
+    radius = arm @ np.array([[c, s], [-s, c]])
+    across = np.stack([-radius[:, 1], radius[:, 0]], axis=1)
+    return np.stack(
+        [
+            pose[0, :2] + carried,
+            pose[1, :2] + spin * across,
+            pose[2, :2] + turn * across - spin * spin * radius,
+        ]
+    )
+
+
+def describe_rigid(scene: Scene, bodies: list[FilledBody], stable_step: float) -> Description:
+    """The structure's description: the points of the particle lattice."""
+    solid = scene.solid
+    return Description(
+        name="solid",
+        role="structure",
+        model=solid.model,
+        stable_step=stable_step,
+        spacing=solid.dx,
+        position=np.concatenate([b.position for b in bodies]),
+        volume=np.concatenate([np.full(len(b.position), b.cell) for b in bodies]),
+        body=np.concatenate([np.full(len(b.position), k) for k, b in enumerate(bodies)]),
+        numbers={
+            "density": solid.density,
+            "thickness": thickness(scene),
+            "spacing_min": min(float(b.spacing.min()) for b in bodies),
+        },
+    )
