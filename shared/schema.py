@@ -228,7 +228,7 @@ class Spring(Table):
     stiffness: Springs = key(
         (0.0, 0.0, 0.0),
         unit="N/m, N/m, N m",
-        about="per metre of depth: against the centre of mass moving along x and y, and against rotation; none negative",
+        about="per metre of depth: against the centre of mass moving along x, y, and against rotation; none negative",
     )
     damping: Springs = key(
         (0.0, 0.0, 0.0),

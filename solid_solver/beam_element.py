@@ -93,11 +93,14 @@ def element_forces(q0, q1, e, strain0, rate, dt, h, stiffness, couple, force, ta
     n_x, n_y, n_t = ea * blend * c / h, ea * blend * s / h, ea * blend * shear
     q_x, q_y, q_t = -ga * blend * s / h, ga * blend * c / h, -ga * blend * (1.0 + stretch)
     arm1, arm2 = dc * x + ds * y, dc * y - ds * x
-    lever_x, lever_y = couple[0] - 0.5 * (phi0 + phi1) * couple[2], couple[1] - 0.5 * (phi0 + phi1) * couple[3]
+    lever_x, lever_y = (
+        couple[e, 0] - 0.5 * (phi0 + phi1) * couple[e, 2],
+        couple[e, 1] - 0.5 * (phi0 + phi1) * couple[e, 3],
+    )
     force[0] = cm * normal - sm * across
     force[1] = sm * normal + cm * across
     force[2] = arm1 * normal + arm2 * across + ds * lever_x - dc * lever_y
-    force[3] = moment - sm * couple[2] + cm * couple[3]
+    force[3] = moment - sm * couple[e, 2] + cm * couple[e, 3]
     tangent[0, 0], tangent[0, 1] = cm * n_x - sm * q_x, cm * n_y - sm * q_y
     tangent[1, 0], tangent[1, 1] = sm * n_x + cm * q_x, sm * n_y + cm * q_y
     tangent[0, 2] = cm * n_t - sm * q_t - 0.5 * (s * normal + c * across)
@@ -106,30 +109,29 @@ def element_forces(q0, q1, e, strain0, rate, dt, h, stiffness, couple, force, ta
     tangent[2, 1] = arm1 * n_y + arm2 * q_y + 0.5 * (ds * normal + dc * across)
     tangent[2, 2] = arm1 * n_t + arm2 * q_t + (ddc * x + dds * y) * normal + (ddc * y - dds * x) * across
     tangent[2, 2] += dds * lever_x - ddc * lever_y
-    tangent[2, 3] = 0.5 * (dc * couple[3] - ds * couple[2])
-    tangent[3, 2] = -0.5 * (c * couple[2] + s * couple[3])
+    tangent[2, 3] = 0.5 * (dc * couple[e, 3] - ds * couple[e, 2])
+    tangent[3, 2] = -0.5 * (c * couple[e, 2] + s * couple[e, 3])
     tangent[3, 3] = ei * blend / h
 
 
 @njit
-def scatter(e, force, tangent, residual, diagonal, upper, lower):
-    """Add one element's force and tangent to the nodes' residual (n + 1, 3) and its block-tridiagonal matrix."""
+def scatter(e, force, tangent, residual, blocks):
+    """Add one element's force and tangent to the nodes' `residual` (n + 1, 3) and their matrix: `blocks`
+    (n + 1, 3, 3, 3) of node k with nodes k − 1, k, k + 1."""
     for a in range(2):
         sa = 2.0 * a - 1.0
         residual[e + a, 0] += sa * force[0]
         residual[e + a, 1] += sa * force[1]
         residual[e + a, 2] += 0.5 * force[2] + sa * force[3]
         for b in range(2):
-            sb = 2.0 * b - 1.0
-            block = diagonal[e + a] if a == b else (upper[e] if a == 0 else lower[e + 1])
+            sb, at = 2.0 * b - 1.0, 1 + b - a
             for i in range(2):
                 for j in range(2):
-                    block[i, j] += sa * sb * tangent[i, j]
-                block[i, 2] += 0.5 * sa * tangent[i, 2]
-                block[2, i] += 0.5 * sb * tangent[2, i]
-            block[2, 2] += (
-                0.25 * tangent[2, 2] + 0.5 * (sa * tangent[3, 2] + sb * tangent[2, 3]) + sa * sb * tangent[3, 3]
-            )
+                    blocks[e + a, at, i, j] += sa * sb * tangent[i, j]
+                blocks[e + a, at, i, 2] += 0.5 * sa * tangent[i, 2]
+                blocks[e + a, at, 2, i] += 0.5 * sb * tangent[2, i]
+            corner = 0.25 * tangent[2, 2] + sa * sb * tangent[3, 3]
+            blocks[e + a, at, 2, 2] += corner + 0.5 * (sa * tangent[3, 2] + sb * tangent[2, 3])
 
 
 @njit

@@ -27,78 +27,71 @@ TOLERANCE = 1.0e-6  # of the thickness: the last Newton correction; what is left
 
 
 @njit
-def _inverse(m, out):
-    """Inverse of a 3 × 3 matrix."""
-    a = m[1, 1] * m[2, 2] - m[1, 2] * m[2, 1]
-    b = m[1, 2] * m[2, 0] - m[1, 0] * m[2, 2]
-    c = m[1, 0] * m[2, 1] - m[1, 1] * m[2, 0]
-    over = 1.0 / (m[0, 0] * a + m[0, 1] * b + m[0, 2] * c)
+def _invert(blocks, k, out):
+    """Inverse of the 3 × 3 matrix blocks[k, 1] into `out`."""
+    m00, m01, m02 = blocks[k, 1, 0, 0], blocks[k, 1, 0, 1], blocks[k, 1, 0, 2]
+    m10, m11, m12 = blocks[k, 1, 1, 0], blocks[k, 1, 1, 1], blocks[k, 1, 1, 2]
+    m20, m21, m22 = blocks[k, 1, 2, 0], blocks[k, 1, 2, 1], blocks[k, 1, 2, 2]
+    a, b, c = m11 * m22 - m12 * m21, m12 * m20 - m10 * m22, m10 * m21 - m11 * m20
+    over = 1.0 / (m00 * a + m01 * b + m02 * c)
     out[0, 0], out[1, 0], out[2, 0] = a * over, b * over, c * over
-    out[0, 1] = (m[0, 2] * m[2, 1] - m[0, 1] * m[2, 2]) * over
-    out[1, 1] = (m[0, 0] * m[2, 2] - m[0, 2] * m[2, 0]) * over
-    out[2, 1] = (m[0, 1] * m[2, 0] - m[0, 0] * m[2, 1]) * over
-    out[0, 2] = (m[0, 1] * m[1, 2] - m[0, 2] * m[1, 1]) * over
-    out[1, 2] = (m[0, 2] * m[1, 0] - m[0, 0] * m[1, 2]) * over
-    out[2, 2] = (m[0, 0] * m[1, 1] - m[0, 1] * m[1, 0]) * over
+    out[0, 1], out[0, 2] = (m02 * m21 - m01 * m22) * over, (m01 * m12 - m02 * m11) * over
+    out[1, 1], out[1, 2] = (m00 * m22 - m02 * m20) * over, (m02 * m10 - m00 * m12) * over
+    out[2, 1], out[2, 2] = (m01 * m20 - m00 * m21) * over, (m00 * m11 - m01 * m10) * over
 
 
 @njit
-def _dot(row, vector):
-    return row[0] * vector[0] + row[1] * vector[1] + row[2] * vector[2]
-
-
-@njit
-def solve(diagonal, upper, lower, right):
-    """Solve a block-tridiagonal system in place of `right` (n, 3); all arrays are used up."""
+def solve(blocks, right):
+    """Solve the block-tridiagonal system of `scatter` in place of `right` (n, 3); the blocks are used up."""
     inverse, block, part = np.empty((3, 3)), np.empty((3, 3)), np.empty(3)
     for k in range(len(right)):
         if k > 0:
             for i in range(3):
-                for j in range(3):
-                    diagonal[k, i, j] -= _dot(lower[k, i], upper[k - 1, :, j])
-                right[k, i] -= _dot(lower[k, i], right[k - 1])
-        _inverse(diagonal[k], inverse)
+                for m in range(3):
+                    below = blocks[k, 0, i, m]
+                    right[k, i] -= below * right[k - 1, m]
+                    for j in range(3):
+                        blocks[k, 1, i, j] -= below * blocks[k - 1, 2, m, j]
+        _invert(blocks, k, inverse)
         for i in range(3):
-            part[i] = _dot(inverse[i], right[k])
+            part[i] = inverse[i, 0] * right[k, 0] + inverse[i, 1] * right[k, 1] + inverse[i, 2] * right[k, 2]
             for j in range(3):
-                block[i, j] = _dot(inverse[i], upper[k, :, j])
+                block[i, j] = 0.0
+                for m in range(3):
+                    block[i, j] += inverse[i, m] * blocks[k, 2, m, j]
         for i in range(3):
             right[k, i] = part[i]
             for j in range(3):
-                upper[k, i, j] = block[i, j]
+                blocks[k, 2, i, j] = block[i, j]
     for k in range(len(right) - 2, -1, -1):
         for i in range(3):
-            part[i] = _dot(upper[k, i], right[k + 1])
-        for i in range(3):
-            right[k, i] -= part[i]
+            for m in range(3):
+                right[k, i] -= blocks[k, 2, i, m] * right[k + 1, m]
 
 
 @njit
 def _assemble(q0, q1, v, a, strain0, rate, free, mass, h, stiffness, eta, dt, node, couple, system):
     """Residual and tangent of a step's equations at the trial end `q1`, into `system`; clamped nodes stay."""
-    residual, diagonal, upper, lower = system
+    residual, blocks = system
     force, tangent = np.zeros(4), np.zeros((4, 4))
     blend = 0.5 + DISSIPATION
-    upper[...] = 0.0
-    lower[...] = 0.0
-    diagonal[...] = 0.0
+    blocks[...] = 0.0
     for k in range(len(q0)):
         for i in range(3):
             step = (q1[k, i] - q0[k, i]) / dt
             gain = (step - v[k, i] + DISSIPATION * dt * a[k, i]) / blend
             residual[k, i] = mass[k, i] * (gain / dt + eta * step)
-            diagonal[k, i, i] = mass[k, i] * (1.0 / (blend * dt) + eta) / dt
+            blocks[k, 1, i, i] = mass[k, i] * (1.0 / (blend * dt) + eta) / dt
         residual[k, 0] -= node[k, 0]
         residual[k, 1] -= node[k, 1]
     for e in range(len(strain0)):
-        element_forces(q0, q1, e, strain0, rate, dt, h, stiffness, couple[e], force, tangent)
-        scatter(e, force, tangent, residual, diagonal, upper, lower)
+        element_forces(q0, q1, e, strain0, rate, dt, h, stiffness, couple, force, tangent)
+        scatter(e, force, tangent, residual, blocks)
     for k in range(len(q0)):
         if not free[k]:
             residual[k] = 0.0
-            diagonal[k] = np.eye(3)
-            upper[k] = 0.0
-            lower[k] = 0.0
+            blocks[k] = 0.0
+            blocks[k, 1] = np.eye(3)
 
 
 @njit
@@ -116,7 +109,7 @@ def _one_step(state, free, mass, h, stiffness, eta, dt, load, work):
     for _ in range(MOST_ITERATIONS):
         _assemble(q, q1, v, a, strain0, rate, free, mass, h, stiffness, eta, dt, node, couple, system)
         correction = system[0]
-        solve(system[1], system[2], system[3], correction)
+        solve(system[1], correction)
         largest = 0.0
         for k in range(len(q)):
             for i in range(3):
@@ -151,7 +144,7 @@ def steps(state, free, mass, h, stiffness, eta, dt, steady, ramped, shares):
         np.empty((count, 3)),
         np.empty((count - 1, 3)),
         np.empty((count - 1, 3)),
-        (np.empty((count, 3)), np.empty((count, 3, 3)), np.empty((count, 3, 3)), np.empty((count, 3, 3))),
+        (np.empty((count, 3)), np.empty((count, 3, 3, 3))),
     )
     node, couple = steady[0].copy(), steady[1].copy()
     total = 0
