@@ -33,6 +33,10 @@ from fluid_solver.fields import (
 )
 from shared.jit import parallel_njit
 
+TENSION_LIMIT = 0.01
+"""Largest tension over ρ0 c0²: c0 is ten times the largest speed expected, so this is twice the flow's own dynamic
+pressure. Beyond it, pulled particles clump, lose the density that would stop them at a wall, and shoot out of it."""
+
 
 @parallel_njit
 def kick_and_drift(S, kind, count, dt, speeds):
@@ -61,11 +65,12 @@ def kick_and_drift(S, kind, count, dt, speeds):
 
 @parallel_njit
 def advance_and_drift(S, kind, count, dt, c, R):
-    """p a full step on, and with it ρ = ρ0 + p/c²; then x += (u + δu) dt/2."""
+    """p a full step on, and with it ρ = ρ0 + p/c²; then x += (u + δu) dt/2. Tension ends at `TENSION_LIMIT`."""
+    weakest = -TENSION_LIMIT * c.rho0 * c.c0 * c.c0
     for block in numba.prange((count + BLOCK - 1) // BLOCK):
         for i in range(block * BLOCK, min(block * BLOCK + BLOCK, count)):
             if kind[i] == FLUID:
-                p = S[P, i] + dt * R[DP, i]
+                p = max(S[P, i] + dt * R[DP, i], weakest)
                 rho = c.rho0 + p / (c.c0 * c.c0)
                 S[RHO, i] = rho
                 S[P, i] = p
