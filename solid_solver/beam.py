@@ -152,7 +152,11 @@ class BeamModel:
     def check(self) -> None:
         if self._converged and np.isfinite(self._points).all():
             return
-        what = "the state is not finite" if self._converged else "a step found no equilibrium"
+        what = (
+            "the state is not finite"
+            if self._converged
+            else "a step found no equilibrium short of tearing or crushing it"
+        )
         raise SolverFailed(
             f"The beam failed at t = {self._time:.6g} s: {what}. Its loads are too large for its stiffness within one "
             f"step (now at most {self._stable_step:.3g} s): ramp the loads, shorten coupling.window, or check units."

@@ -22,7 +22,9 @@ import numpy as np
 from shared.jit import njit
 from solid_solver.beam_element import DISSIPATION, element_forces, scatter, strains
 
-MOST_ITERATIONS = 30
+MOST_ITERATIONS = 60
+LARGEST_STRAIN = 0.9  # along and across the axis, past which there is no beam left
+LARGEST_TURN = 0.3  # radian: Newton corrections that turn a section farther are shortened
 TOLERANCE = 1.0e-6  # of the thickness: the last Newton correction; what is left is about its square
 
 
@@ -96,7 +98,8 @@ def _assemble(q0, q1, v, a, strain0, rate, free, mass, h, stiffness, eta, dt, no
 
 @njit
 def _one_step(state, free, mass, h, stiffness, eta, dt, load, work):
-    """Advance q, v, a, rate by `dt` under a constant load; the number of Newton iterations, or 0 on failure."""
+    """Advance q, v, a, rate by `dt` under a constant load; the number of Newton iterations, or 0 where they
+    do not converge, or only to a beam torn or crushed."""
     q, v, a, rate = state
     node, couple = load
     q1, strain0, strain1, system = work
@@ -110,11 +113,14 @@ def _one_step(state, free, mass, h, stiffness, eta, dt, load, work):
         _assemble(q, q1, v, a, strain0, rate, free, mass, h, stiffness, eta, dt, node, couple, system)
         correction = system[0]
         solve(system[1], correction)
-        largest = 0.0
+        largest, turn = 0.0, 0.0
+        for k in range(len(q)):
+            turn = max(turn, abs(correction[k, 2]))
+            largest = max(largest, abs(correction[k, 0]), abs(correction[k, 1]), abs(length * correction[k, 2]))
+        part = min(1.0, LARGEST_TURN / turn) if turn > 0.0 else 1.0
         for k in range(len(q)):
             for i in range(3):
-                q1[k, i] -= correction[k, i]
-            largest = max(largest, abs(correction[k, 0]), abs(correction[k, 1]), abs(length * correction[k, 2]))
+                q1[k, i] -= part * correction[k, i]
         iterations += 1
         if largest < TOLERANCE * thickness:
             break
@@ -128,6 +134,8 @@ def _one_step(state, free, mass, h, stiffness, eta, dt, load, work):
             q[k, i] = q1[k, i]
     strains(q, h, strain1)
     for e in range(len(rate)):
+        if not max(abs(strain1[e, 0]), abs(strain1[e, 1])) < LARGEST_STRAIN:
+            return 0
         for i in range(3):
             rate[e, i] = (strain1[e, i] - strain0[e, i]) / dt
     return iterations
@@ -137,7 +145,7 @@ def _one_step(state, free, mass, h, stiffness, eta, dt, load, work):
 def steps(state, free, mass, h, stiffness, eta, dt, steady, ramped, shares):
     """Take one step of `dt` [s] per row of `shares` (m, g), each under steady + Σ share · ramped loads.
 
-    Returns the number of Newton iterations, or 0 where one did not converge.
+    Returns the number of Newton iterations, or 0 where a step failed.
     """
     count = len(state[0])
     work = (

@@ -64,7 +64,11 @@ def test_prescribed_motion_goes_through_its_table():
 
 
 def test_velocity_and_acceleration_are_the_motions_derivatives():
-    table = {"times": [0.0, 1.0, 3.0], "translation": [[0.0, 0.0], [0.3, 0.1], [0.4, 0.8]], "rotation": [0.0, 70.0, 90.0]}
+    table = {
+        "times": [0.0, 1.0, 3.0],
+        "translation": [[0.0, 0.0], [0.3, 0.1], [0.4, 0.8]],
+        "rotation": [0.0, 70.0, 90.0],
+    }
     model = model_of("rigid", motion=table)
     dt = 1e-4
     first, second, third = (model.advance(0.6 + k * dt, 0.6 + (k + 1) * dt, 1, None) for k in range(3))
@@ -263,7 +267,9 @@ def test_negative_stiffness_is_refused(path):
 
 @pytest.mark.slow
 @pytest.mark.timeout(240)
-@pytest.mark.parametrize("sets", [["solid.model=rigid"], ["solid.model=spring", "solid.spring.stiffness=[1e5,1e5,1e4]"]])
+@pytest.mark.parametrize(
+    "sets", [["solid.model=rigid"], ["solid.model=spring", "solid.spring.stiffness=[1e5,1e5,1e4]"]]
+)
 def test_water_on_a_rigid_plate(tmp_path, sets):
     """The plate carries the water's weight; on springs it also sinks under it and its own."""
     scene = tiny_coupled(tmp_path, end_time=0.05)
