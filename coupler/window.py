@@ -11,7 +11,9 @@ and 0.709 for predictor order 0, 1, 2; a column that reflects sound is pumped by
 of water on a plate a fifth of its weight, α 0.14 grows and 0.07 decays, whatever the order."""
 _MOST_STEPS = 4
 """Fluid steps in an automatic window: enough to make the exchange cheap beside the steps, few enough to be accurate."""
-_MARGIN = 0.98  # the fluid's stable step shrinks a little as the flow speeds up
+_SPEED_UP = 1.0 / 7.0
+"""Speed over c0 that the flow is expected to reach (c0 is ten times the largest estimated, splashes are faster): the
+window holds whole steps at this speed, so that no window is cut into one step more."""
 
 
 def alpha_rate(fluid: Description, structure: Description) -> float:
@@ -24,5 +26,6 @@ def window_length(coupling: Coupling, fluid: Description, structure: Description
     """The window [s]: as the scene says, or `auto`: up to four fluid steps while α stays below 0.08."""
     if coupling.window != "auto":
         return coupling.window
-    few_steps = _MOST_STEPS * _MARGIN * fluid.stable_step
-    return min(few_steps, _LARGEST_ALPHA / alpha_rate(fluid, structure))
+    step = fluid.stable_step / (1.0 + _SPEED_UP)
+    longest = _LARGEST_ALPHA / alpha_rate(fluid, structure)
+    return step * min(int(longest / step), _MOST_STEPS) if longest > step else longest

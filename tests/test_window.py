@@ -1,0 +1,42 @@
+"""The automatic window: whole fluid steps, few enough for the lagged exchange."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from coupler.window import alpha_rate, window_length
+from shared.contract import Description
+from shared.schema import Coupling
+
+NOTHING = np.zeros((0, 2)), np.zeros(0), np.zeros(0, dtype=np.int64)
+
+
+def sides(step, thickness, sound_speed=20.0):
+    fluid = {"density": 1000.0, "sound_speed": sound_speed}
+    solid = {"density": 2500.0, "thickness": thickness}
+    return (
+        Description("fluid", "fluid", "wcsph", step, 1e-3, *NOTHING, fluid),
+        Description("solid", "structure", "total-lagrangian", step, 1e-3, *NOTHING, solid),
+    )
+
+
+def test_heavy_plate_gets_four_steps_a_window():
+    assert window_length(Coupling(), *sides(1e-5, 1.0)) == pytest.approx(4 * 1e-5 / (1 + 1 / 7))
+
+
+@pytest.mark.parametrize("thickness", [0.001, 0.004, 0.01, 0.03])
+def test_light_plate_shortens_the_window(thickness):
+    fluid, solid = sides(1e-4, thickness)
+    window = window_length(Coupling(), fluid, solid)
+    assert alpha_rate(fluid, solid) * window <= 0.08 * (1 + 1e-12)
+    steps = window / (fluid.stable_step / (1 + 1 / 7))
+    assert steps < 1 or steps == pytest.approx(round(steps))
+
+
+def test_alpha_is_the_documented_ratio():
+    assert alpha_rate(*sides(1e-4, 0.012)) == pytest.approx(1000.0 * 20.0 / (2500.0 * 0.012))
+
+
+def test_window_of_the_scene_is_kept():
+    assert window_length(Coupling(window=0.01), *sides(1e-5, 1.0)) == 0.01
