@@ -14,6 +14,8 @@ from shared.statistics import statistic
 
 _WIDTH_IN, _HEIGHT_IN = 6.5, 3.6
 _LEFT_IN, _BOTTOM_IN, _TOP_IN, _RIGHT_IN = 0.8, 0.55, 0.4, 0.15
+_LEGEND_IN = 3.0
+_LEGEND_ENTRIES = 4  # more than these stand beside the axes, where they hide nothing
 _OWN_COLOUR = "#0b4f8a"
 # Okabe and Ito's palette, told apart by colour-blind readers; its blues are left to the run.
 _COLOURS = ("#d55e00", "#009e73", "#cc79a7", "#e69f00", "#56b4e9", "#7f7f7f")
@@ -40,7 +42,8 @@ def _draw_probe(path: Path, scene: Scene, probe: Probe, time: np.ndarray, values
     shown += [np.array([r.value]) for r in references if r.value and r.statistic in ("mean", "min", "max", "final")]
     factor, unit = si_scale(max(map(largest_size, shown)), UNITS[probe.quantity])
     second, time_unit = si_scale(float(time[-1]), "s")
-    figure = new_figure(_WIDTH_IN, _HEIGHT_IN)
+    beside = len(references) + 1 > _LEGEND_ENTRIES
+    figure = new_figure(_WIDTH_IN + (_LEGEND_IN if beside else 0.0), _HEIGHT_IN)
     axes = axes_at(figure, _LEFT_IN, _BOTTOM_IN, _WIDTH_IN - _LEFT_IN - _RIGHT_IN, _HEIGHT_IN - _BOTTOM_IN - _TOP_IN)
     start = scene.output.average_from
     if 0.0 < start < time[-1]:
@@ -56,7 +59,9 @@ def _draw_probe(path: Path, scene: Scene, probe: Probe, time: np.ndarray, values
     axes.set_title(scene.title, loc="left", fontsize=FONT_PT + 1, color=INK)
     axes.set_title(probe.name, loc="right", fontsize=FONT_PT, color=FAINT)
     axes.grid(color="0.88", linewidth=0.5, zorder=0.5)
-    legend = axes.legend(fontsize=FONT_PT - 2, frameon=True, framealpha=0.85, edgecolor="none", labelcolor=INK)
+    place = {"loc": "upper left", "bbox_to_anchor": (1.0, 1.02)} if beside else {}
+    style = {"fontsize": FONT_PT - 2, "frameon": True, "framealpha": 0.85, "edgecolor": "none", "labelcolor": INK}
+    legend = axes.legend(**style, **place)
     legend.set_zorder(5)
     return save(figure, path)
 
