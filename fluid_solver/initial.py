@@ -6,6 +6,7 @@ and stands lower, at depth d = (c²/g) ln(1 + g D/c²) below its own settled top
 
 from __future__ import annotations
 
+import itertools
 import math
 from dataclasses import dataclass
 
@@ -15,7 +16,7 @@ from fluid_solver.fields import FREE_SLIP, NO_SLIP, STRUCTURE
 from fluid_solver.motion import largest_speed
 from shared.contract import BadInput
 from shared.geometry import contains, distance_to, fill, ghosts, outline, wall_particles
-from shared.schema import Body, Scene
+from shared.schema import Body, Scene, Wall
 
 MACH = 0.1  # largest expected speed over the automatic sound speed: density varies by 1 %
 OWNED = 0.25  # of dx: wall particles this close to a solid body are the body's
@@ -35,12 +36,14 @@ class FluidParticles:
 
 @dataclass(frozen=True)
 class Ghosts:
-    """Walls, then structures: position (n, 2), volume, kind (n,), and owner (n,): index of the wall or of the body."""
+    """Walls, then structures: position (n, 2), volume, kind (n,), owner (n,): index of the wall or of the body, and
+    normal (n, 2): unit vector from the wall's face to the ghost; zero for structures, which bend."""
 
     position: np.ndarray
     volume: np.ndarray
     kind: np.ndarray
     owner: np.ndarray
+    normal: np.ndarray
 
     @property
     def walls(self) -> int:
@@ -121,16 +124,32 @@ def lay_ghosts(scene: Scene, support: float) -> Ghosts:
             keep &= ~contains(body, layers.position)
             keep &= distance_to(outline(body), layers.position) >= OWNED * dx
         kind = FREE_SLIP if wall.slip == "free" else NO_SLIP
-        parts.append(_part(layers.position[keep], layers.volume[keep], kind, index))
+        position = layers.position[keep]
+        parts.append(_part(position, layers.volume[keep], kind, index, wall_normal(wall, position)))
     for index, body in enumerate(bodies):
         dry = [clamp.face for clamp in scene.solid.clamps if clamp.body == body.name]
         inside = ghosts(body, dx, support, dry)
-        parts.append(_part(inside.position, inside.volume, STRUCTURE, index))
+        parts.append(_part(inside.position, inside.volume, STRUCTURE, index, np.zeros_like(inside.position)))
     if not parts:
-        return Ghosts(*_part(np.empty((0, 2)), np.empty(0), STRUCTURE, 0))
+        return Ghosts(*_part(np.empty((0, 2)), np.empty(0), STRUCTURE, 0, np.empty((0, 2))))
     return Ghosts(*(np.concatenate(column) for column in zip(*parts, strict=True)))
 
 
-def _part(position, volume, kind, owner):
+def wall_normal(wall: Wall, points: np.ndarray) -> np.ndarray:
+    """Unit vectors (n, 2) from the nearest point of the wall's polyline to each of `points` (n, 2)."""
+    corners = np.asarray([*wall.polyline, wall.polyline[0]] if wall.closed else wall.polyline, dtype=float)
+    nearest = np.full(len(points), np.inf)
+    normal = np.zeros_like(points)
+    for start, end in itertools.pairwise(corners):
+        along = np.clip((points - start) @ (end - start) / np.sum((end - start) ** 2), 0.0, 1.0)
+        arm = points - start - along[:, None] * (end - start)
+        distance = np.hypot(*arm.T)
+        closer = distance < nearest
+        nearest[closer] = distance[closer]
+        normal[closer] = arm[closer] / distance[closer, None]
+    return normal
+
+
+def _part(position, volume, kind, owner, normal):
     n = len(position)
-    return position, volume, np.full(n, kind, dtype=np.int8), np.full(n, owner)
+    return position, volume, np.full(n, kind, dtype=np.int8), np.full(n, owner), normal

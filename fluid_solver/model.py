@@ -22,7 +22,7 @@ from fluid_solver.observe import Observer
 from fluid_solver.parameters import Parameters, parameters, stable_courant
 from fluid_solver.rates import make_rates
 from fluid_solver.store import Store
-from fluid_solver.walls import make_ghosts
+from fluid_solver.walls import make_ghost_velocity, make_ghosts
 from shared.contract import Description, Frame, Kinematics, Loads
 from shared.kernels import kernel_named
 from shared.schema import Scene
@@ -45,9 +45,9 @@ class ParticleFluid:
         self._courant = stable_courant(fluid) if fluid.courant == "auto" else fluid.courant
         self._transported = fluid.model == "ctvf"
         viscous = fluid.viscosity > 0.0
-        self._extended = viscous or self._transported
         self._rates = make_rates(kernel.code, self._transported)
         self._forces = make_forces(kernel.code, viscous, self._transported)
+        self._ghost_velocity = make_ghost_velocity(kernel.code, viscous)
         self._ghost_sweep = make_ghosts(kernel.code, viscous)
         water = fluid_particles(scene, self.c.c0)
         self.ghosts = lay_ghosts(scene, self.c.support)
@@ -63,14 +63,17 @@ class ParticleFluid:
         self._observer = Observer(scene, kernel, self.c, self.ghosts, self._first, water.body)
 
     def _set_up_motion(self) -> None:
-        owner, rest = self.ghosts.owner[: self._walls], self.ghosts.position
+        owner, rest, normal = self.ghosts.owner[: self._walls], self.ghosts.position, self.ghosts.normal
         self._moving = [
-            (np.flatnonzero(owner == k), WallMotion(wall.motion, rest[: self._walls][owner == k]))
+            (
+                np.flatnonzero(owner == k),
+                WallMotion(wall.motion, rest[: self._walls][owner == k], normal[: self._walls][owner == k]),
+            )
             for k, wall in enumerate(self.scene.walls)
             if wall.motion
         ]
         self._pose = np.zeros((len(rest), POSE))
-        self._pose[:, :2] = rest
+        self._pose[:, :2], self._pose[:, 6:] = rest, normal
         self._x0 = rest[self._walls :].copy()  # structure ghosts at the window's start
         self._v0 = np.zeros_like(self._x0)
 
@@ -106,6 +109,8 @@ class ParticleFluid:
         store = self.store
         store.sort(0.0)
         self._speed = largest(store.S, store.kind, store.count, store.speeds)[0]
+        cells = store.start, store.nx, store.edges, store.buffers, self.c
+        self._ghost_velocity(store.S, store.kind, store.ids, *cells, self._first, self._pose)
         self._accelerate()
         kick(store.S, store.kind, store.count, 0.0, self._transported, store.work)
         return self._loads(self.force[self._walls :].copy())
@@ -147,8 +152,11 @@ class ParticleFluid:
         reach = 0.5 * dt * max(drift, self._ghost_speed(boundary))
         store.moved += reach
         store.sort_if_moved(reach)
-        # 4, 5, 6  rates at the middle; ρ and p a full step on; x += (u_half + δu) dt/2; walls and ghosts to the end
-        self._rates(store.S, store.start, store.nx, store.edges, store.buffers, c, store.work)
+        # 4, 5  ghosts' velocities and rates at the middle; p and ρ a full step on
+        # 6     x += (u_half + δu) dt/2; walls and ghosts to the end
+        cells = store.start, store.nx, store.edges, store.buffers, c
+        self._ghost_velocity(store.S, store.kind, store.ids, *cells, self._first, self._pose)
+        self._rates(store.S, *cells, store.work)
         advance_and_drift(store.S, store.kind, store.count, dt, c, store.work)
         self._place(t0, since + dt, length, boundary)
         store.moved += reach
@@ -160,7 +168,7 @@ class ParticleFluid:
     def _accelerate(self) -> None:
         s = self.store
         cells = s.start, s.nx, s.edges, s.buffers, self.c
-        self._ghost_sweep(s.S, s.kind, s.ids, *cells, self._first, self.force)
+        self._ghost_sweep(s.S, s.ids, *cells, self._first, self.force)
         self._forces(s.S, *cells, self._speed, s.work)
 
     def _place(self, t0, since, length, boundary, always=False) -> None:

@@ -1,6 +1,6 @@
 """Motion of ghosts: walls by the scene's tables, structures by what they say of the window.
 
-A pose (n, 6) holds position, velocity and acceleration of n ghosts: x, y, u, v, ax, ay.
+A pose (n, 8) holds position, velocity, acceleration and normal of n ghosts: x, y, u, v, ax, ay, nx, ny.
 """
 
 from __future__ import annotations
@@ -16,29 +16,32 @@ from fluid_solver.fields import AX, AY, FLUID, PARKED, U, V, X, Y
 from shared.jit import njit, parallel_njit
 from shared.schema import Motion
 
-POSE = 6
+POSE = 8
 
 
 class WallMotion:
     """A wall's prescribed motion: translation and rotation about a point, a monotone cubic through the table."""
 
-    def __init__(self, motion: Motion, reference: np.ndarray):
-        """`reference` (n, 2) [m]: the wall's ghosts in the reference position."""
+    def __init__(self, motion: Motion, reference: np.ndarray, normal: np.ndarray):
+        """`reference` (n, 2) [m], `normal` (n, 2): of the wall's ghosts in the reference position."""
+        self._normal = normal
         self._arm = reference - np.asarray(motion.about)
         self._about = np.asarray(motion.about)
         self._end = motion.times[-1]
         self._curve = _curve(motion)
 
     def pose(self, time: float) -> np.ndarray:
-        """Pose (n, 6) of the ghosts at `time` [s]."""
+        """Pose (n, 8) of the ghosts at `time` [s]."""
         (x, y, angle), (u, v, spin), (ax, ay, turn) = (self._at(time, order) for order in range(3))
         c, s = math.cos(angle), math.sin(angle)
-        arm = self._arm @ np.array([[c, s], [-s, c]])
+        turned = np.array([[c, s], [-s, c]])
+        arm = self._arm @ turned
         across = np.c_[-arm[:, 1], arm[:, 0]]
         return np.c_[
             self._about + arm + (x, y),
             spin * across + (u, v),
             turn * across - spin * spin * arm + (ax, ay),
+            self._normal @ turned,
         ]
 
     def _at(self, time: float, order: int) -> np.ndarray:
@@ -63,7 +66,7 @@ def _curve(motion: Motion) -> PchipInterpolator:
 
 @njit
 def structure_pose(s, length, x0, v0, x1, v1, acceleration, pose):
-    """Pose of structure ghosts at the fraction `s` of a window of `length` [s], in place in `pose` (n, 6).
+    """Pose of structure ghosts at the fraction `s` of a window of `length` [s], in place in `pose` (n, 8).
 
     Cubic Hermite from start and end positions and velocities (n, 2), so that the wall never jumps; acceleration the
     mean over the window: the raw one destabilises light structures.
@@ -79,7 +82,7 @@ def structure_pose(s, length, x0, v0, x1, v1, acceleration, pose):
 
 @parallel_njit
 def place_ghosts(S, kind, ids, count, first, pose):
-    """Set position, velocity and acceleration of all ghosts from `pose` (ghosts, 6), by id less `first`."""
+    """Set position, velocity and acceleration of all ghosts from `pose` (ghosts, 8), by id less `first`."""
     for block in numba.prange((count + BLOCK - 1) // BLOCK):
         for i in range(block * BLOCK, min(block * BLOCK + BLOCK, count)):
             if kind[i] != FLUID and kind[i] != PARKED:

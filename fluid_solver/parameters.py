@@ -12,8 +12,8 @@ from shared.schema import Fluid, Scene
 
 EDAC_ALPHA = 0.5  # ν_e = EDAC_ALPHA h c0/8 (Ramachandran & Puri 2019)
 COURANT = {"ctvf": 0.8, "wcsph": 0.9}
-"""Time step over h/(c0 + speed). A dam break through its far-wall impact ran at 1.1 (ctvf) and 1.25 (wcsph) at α 0.1, at
-0.9 (both) at α 0.02, dx 6 and 3 mm, Wendland C2 at h = 1.3 dx; at 1.0 with the quintic spline at h = dx."""
+"""Time step over h/(c0 + speed). A dam break through its far-wall impact ran at 1.1 (ctvf) and 1.25 (wcsph) at α 0.1,
+at 0.9 (both) at α 0.02, dx 6 and 3 mm, Wendland C2 at h = 1.3 dx; at 1.0 with the quintic spline at h = dx."""
 
 
 class Parameters(NamedTuple):

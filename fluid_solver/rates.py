@@ -19,14 +19,14 @@ from functools import cache
 import numba
 
 from fluid_solver.cells import gather
-from fluid_solver.fields import DP, RHO, SX, SY, VOL, P, U, V, X, Y
+from fluid_solver.fields import DP, GX, GY, RHO, SX, SY, VOL, P, U, V, X, Y
 from fluid_solver.surface import ISOLATED
 from fluid_solver.terms import pressure_diffusion, transport, velocity_divergence
 from shared.jit import parallel_njit
 from shared.kernels import kernel_f
 
 FORGETTING = 0.2  # rate in c0/h: fast beside the flight of a drop, slow beside a step
-_ROWS = (X, Y, U, V, VOL)
+_ROWS = (X, Y, GX, GY, VOL)
 _ROWS_TRANSPORT = (*_ROWS, SX, SY, P)
 
 

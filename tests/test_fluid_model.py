@@ -142,7 +142,7 @@ def test_structure_ghosts_follow_the_window_without_a_jump():
     t0, t1 = 0.3, 0.5
     x = lambda t: np.array([[1.0 + t - 2 * t**2 + 3 * t**3, t**3]])  # noqa: E731
     v = lambda t: np.array([[1.0 - 4 * t + 9 * t**2, 3 * t**2]])  # noqa: E731
-    pose = np.zeros((1, 6))
+    pose = np.zeros((1, 8))
     for s in (0.0, 0.25, 1.0):
         structure_pose(s, t1 - t0, x(t0), v(t0), x(t1), v(t1), np.zeros((1, 2)), pose)
         t = t0 + s * (t1 - t0)
@@ -152,13 +152,14 @@ def test_structure_ghosts_follow_the_window_without_a_jump():
 
 def test_wall_motion_velocity_and_acceleration_are_derivatives():
     table = Motion(times=[0.0, 1.0, 2.0], translation=[(0.0, 0.0), (0.5, 0.1), (0.6, 0.4)], rotation=[0.0, 30.0, 90.0])
-    wall = WallMotion(table, np.array([[0.3, -0.2], [1.0, 2.0]]))
+    wall = WallMotion(table, np.array([[0.3, -0.2], [1.0, 2.0]]), np.array([[1.0, 0.0], [0.0, -1.0]]))
     t, e = 0.7, 1e-5
     pose = wall.pose(t)
     slope = (wall.pose(t + e) - wall.pose(t - e)) / (2 * e)
     assert pose[:, 2:4] == pytest.approx(slope[:, :2], abs=1e-8)
     assert pose[:, 4:6] == pytest.approx(slope[:, 2:4], abs=1e-6)
-    assert np.all(wall.pose(3.0)[:, 2:] == 0.0)  # held after its last time
+    assert np.all(wall.pose(3.0)[:, 2:6] == 0.0)  # held after its last time
+    assert wall.pose(3.0)[:, 6:] == pytest.approx(np.array([[0.0, 1.0], [1.0, 0.0]]), abs=1e-12)  # turned by 90 degrees
     assert wall.pose(3.0)[:, :2] == pytest.approx(wall.pose(2.0)[:, :2])
 
 
@@ -170,7 +171,7 @@ def test_moving_walls_take_their_water_along():
     water = [{"name": "water", "rectangle": (0.0, 0.0, 0.1, 0.1)}]
     model = begun(scene(water, [box], gravity=(0.0, 0.0), sound_speed=5.0, alpha=0.5))
     run(model, 0.3, 10)
-    x, _, u, *_ = WallMotion(Motion(**motion), np.zeros((1, 2))).pose(0.3)[0]
+    x, _, u, *_ = WallMotion(Motion(**motion), np.zeros((1, 2)), np.zeros((1, 2))).pose(0.3)[0]
     assert u > 0.1
     assert fluid_rows(model, U)[0].mean() == pytest.approx(u, rel=0.05)
     assert fluid_rows(model, X)[0].mean() == pytest.approx(0.05 + x, abs=0.001)

