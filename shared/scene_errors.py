@@ -53,8 +53,8 @@ def lenient(table: type[Table], data: Any) -> Table:
     """
     try:
         return _strict(table, data)
-    except ValidationError:
-        pass
+    except ValidationError as error:
+        wrong = {mistake["loc"][0] for mistake in error.errors() if mistake["loc"]}
     values = {}
     for (written, field), name in zip(keys_of(table).items(), table.model_fields, strict=True):
         inner, raw = table_in(field.annotation), data.get(written) if isinstance(data, dict) else None
@@ -68,7 +68,7 @@ def lenient(table: type[Table], data: Any) -> Table:
         elif field.annotation is str and isinstance(raw, str):
             values[name] = raw
         else:
-            values[name] = default if raw is None else _value_or(default, field, raw)
+            values[name] = default if raw is None or written in wrong else _value_or(default, field, raw)
     return table.model_construct(**values)
 
 

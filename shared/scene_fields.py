@@ -23,7 +23,7 @@ def closest(word: str, options: Iterable[str]) -> str | None:
 
 def suggest(word: str, options: Iterable[str]) -> str:
     """`; did you mean 'x'?` for the option closest to `word`, or else the list of options."""
-    options = list(options)
+    options = [option for option in options if option]  # nameless where the name could not be read
     close = closest(word, options)
     if close:
         return f"; did you mean '{close}'?"

@@ -12,7 +12,7 @@ import numpy as np
 from scipy.spatial import cKDTree
 
 from shared.geometry import contains, distance_to, faces, fill, outline, own_box, wall_particles
-from shared.schema import RIGID_MODELS, SHAPE_KINDS, Body, Scene, Shape
+from shared.schema import RIGID_MODELS, SHAPE_KINDS, Body, Domain, Scene, Shape, Wall
 
 OVERLAP_TOLERANCE = 0.01  # depth over dx up to which two bodies only touch
 MOST_CELLS = 2e7  # particles per body that fit the memory of a large workstation
@@ -22,6 +22,7 @@ WANTED_ANISOTROPY = 0.03  # difference of the fitted spacings along both axes
 WANTED_RATIO = 4.0  # ratio of the two sides' spacings
 _WALL_DEPTH = 2.5  # wall layers looked at, over dx
 _NEAR_WALL = 0.4  # distance over dx below which a fluid particle stands within a wall's ghosts
+_SHORTEST = 1e-3  # length over dx below which two corners of a wall are taken for one
 _FACE_REACH = 0.75  # distance over spacing within which a face's particles lie: half, and rounding
 
 
@@ -67,6 +68,48 @@ def _too_fine(scene: Scene) -> Iterator[str]:
         if _cells(body, dx) > MOST_CELLS:
             wrong = f"{path.split('.')[0]}.dx = {dx:g}: body {_called(path, body)} would hold {_cells(body, dx):.2g}"
             yield f"{wrong} particles; the limit is {MOST_CELLS:.0e}"
+    for _, wall, dx in _walls(scene):
+        count = _WALL_DEPTH * float(_lengths(wall).sum()) / dx
+        if count > MOST_CELLS:
+            wrong = f"fluid.dx = {dx:g}: wall '{wall.name}' would hold {count:.2g}"
+            yield f"{wrong} particles; the limit is {MOST_CELLS:.0e}"
+
+
+def _walls(scene: Scene) -> Iterator[tuple[int, Wall, float]]:
+    """Number, wall and ghost spacing [m] of every wall whose polyline could be read."""
+    if scene.fluid is not None and scene.fluid.dx is not None:
+        for i, wall in enumerate(scene.walls):
+            if wall.polyline:
+                yield i, wall, scene.fluid.dx
+
+
+def _lengths(wall: Wall) -> np.ndarray:
+    """Lengths (k,) [m] of a wall's segments."""
+    corners = [*wall.polyline, wall.polyline[0]] if wall.closed else wall.polyline
+    return np.hypot(*np.diff(np.array(corners, dtype=float), axis=0).T)
+
+
+def _corners(scene: Scene) -> Iterator[str]:
+    """A wall's segment needs a direction."""
+    for i, wall, dx in _walls(scene):
+        for k, length in enumerate(_lengths(wall)):
+            if length < _SHORTEST * dx:
+                other = (k + 1) % len(wall.polyline)
+                yield f"walls[{i}].polyline: corners {k} and {other} are less than {_SHORTEST:g} dx apart; keep one"
+
+
+def _domain(scene: Scene) -> Iterator[str]:
+    """The domain has an inside, and the fluid starts there."""
+    if not isinstance(scene.domain, Domain) or scene.domain.lower is None or scene.domain.upper is None:
+        return
+    lower, upper = np.array(scene.domain.lower), np.array(scene.domain.upper)
+    if not np.all(lower < upper):
+        yield f"domain: lower = {lower.tolist()} is not below and left of upper = {upper.tolist()}"
+        return
+    for path, body, _ in _bodies(scene):
+        corners = outline(body).reshape(-1, 2)
+        if path.startswith("fluid") and (np.any(corners < lower) or np.any(corners > upper)):
+            yield f"{path}: {_called(path, body)} reaches out of the domain, where fluid is taken out"
 
 
 def _called(path: str, body: Body) -> str:
@@ -136,11 +179,9 @@ def _cells_within(body: Body, dx: float, other: Body, dx_least: float) -> np.nda
 
 def _behind_walls(scene: Scene) -> Iterator[str]:
     """Fluid that stands within a wall's ghost layers, mostly because the polyline is walked the wrong way."""
-    if scene.fluid is None or scene.fluid.dx is None:
-        return
-    dx = scene.fluid.dx
-    for i, wall in enumerate(scene.walls):
-        if not wall.polyline:
+    for i, wall, dx in _walls(scene):
+        lengths = _lengths(wall)
+        if lengths.min() < _SHORTEST * dx or _WALL_DEPTH * lengths.sum() / dx > MOST_CELLS:
             continue
         layers = cKDTree(wall_particles(wall, dx, _WALL_DEPTH * dx).position)
         for path, body, _ in _bodies(scene):
@@ -181,7 +222,9 @@ def _clamped(scene: Scene) -> Iterator[str]:
 
 GEOMETRY_CHECKS: tuple[Callable[[Scene], Iterator[str]], ...] = (
     _too_fine,
+    _corners,
     _sizes,
+    _domain,
     _clamped,
     _overlaps,
     _behind_walls,
