@@ -16,10 +16,12 @@ from shared.curves import read_curve
 from shared.geometry import contains, distance_to, faces, outline
 from shared.scene_fields import suggest
 from shared.scene_geometry import GEOMETRY_CHECKS, has_shape
-from shared.scene_models import MODEL_CHECKS
+from shared.scene_models import MODEL_CHECKS, SOLID_ONLY, STRESSES
 from shared.schema import Scene
 
 _ON_BODY = 1e-6  # distance over the body's size within which a point counts as on the body
+
+MATERIAL_POINT = ("displacement-x", "displacement-y", *STRESSES)
 
 # What each quantity needs: the kinds of body it can be of, whether it must be given, whether a point is.
 _QUANTITIES = {
@@ -30,6 +32,8 @@ _QUANTITIES = {
     "level": (("fluid",), False, False),
     "max-speed": (("fluid", "solid"), True, False),
     "kinetic-energy": (("fluid", "solid"), True, False),
+    **dict.fromkeys(SOLID_ONLY, (("solid",), True, False)),
+    **dict.fromkeys(STRESSES, (("solid",), True, True)),
     "force-x": (("solid", "wall"), True, False),
     "force-y": (("solid", "wall"), True, False),
     "leaked": ((), False, False),
@@ -135,7 +139,7 @@ def _probe_sides(scene: Scene, path: str, quantity: str) -> Iterator[str]:
 
 def _probe_point(scene: Scene, path: str, probe) -> Iterator[str]:
     """A material point lies in its body, faces included."""
-    if not probe.quantity.startswith("displacement") or probe.point is None or scene.solid is None:
+    if probe.quantity not in MATERIAL_POINT or probe.point is None or scene.solid is None:
         return
     for body in scene.solid.bodies or []:
         if body.name == probe.body and has_shape(body):

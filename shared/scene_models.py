@@ -6,11 +6,26 @@ from collections.abc import Callable, Iterator
 
 from shared.geometry import own_box
 from shared.scene_geometry import across, has_shape
-from shared.schema import Scene, Shape
+from shared.schema import RIGID_MODELS, Scene, Shape
 
 LEAST_SLENDER = 3.0  # length over thickness below which a body is no beam
 WANTED_SLENDER = 5.0  # below it, shear and the clamps' neighbourhood rule, which a beam only sketches
 LEAST_ROWS = 2  # rows of interface points across a beam that let a fluid's ghosts follow its rotation
+
+PARTICLE_MODELS = ("total-lagrangian", "ctvf")
+
+STRESSES = ("stress-xx", "stress-yy", "stress-xy", "von-mises")
+MOMENTA = ("momentum-x", "momentum-y", "angular-momentum")
+REACTIONS = ("reaction-x", "reaction-y")
+SOLID_ONLY = ("strain-energy", "external-work", "dissipated", *MOMENTA, *REACTIONS, "spacing-max", *STRESSES)
+"""Quantities of solid bodies alone, which not every model can express."""
+
+_BY_POINTS = ("displacement-x", "displacement-y", "kinetic-energy", "max-speed", *MOMENTA)
+_BY_LOADS = (*_BY_POINTS, "strain-energy", "external-work", "dissipated", *REACTIONS)
+_EXPRESSED = {"beam": (*_BY_LOADS, *STRESSES), "rigid": _BY_POINTS, "spring": _BY_LOADS}
+"""What models that are not made of particles can say; the others say everything."""
+
+_BY_FORCES = ("external-work", "dissipated", *REACTIONS)
 
 _AXIS = {"left": 0, "right": 0, "bottom": 1, "top": 1}
 
@@ -53,8 +68,71 @@ def _beams(scene: Scene) -> Iterator[str]:
 
 def _motion(scene: Scene) -> Iterator[str]:
     solid = scene.solid
-    if solid is not None and solid.motion is not None and solid.model not in ("rigid", None):
-        yield f"solid.motion: prescribed motion is for model rigid, not for model {solid.model}"
+    if solid is None or solid.motion is None or solid.model is None:
+        return
+    if solid.model not in ("rigid", *PARTICLE_MODELS):
+        yield f"solid.motion: is for models rigid, total-lagrangian, ctvf, not for model {solid.model}"
+    elif solid.model in PARTICLE_MODELS:
+        if solid.clamps:
+            yield f"solid.clamps: model {solid.model} under solid.motion is carried as a whole; leave the clamps out"
+        if scene.fluid is not None:
+            yield f"solid.motion: with a fluid it is for model rigid, not for model {solid.model}"
+
+
+def _quantities(scene: Scene) -> Iterator[str]:
+    """Probes that the model cannot express."""
+    solid = scene.solid
+    if solid is None or solid.model is None:
+        return
+    bodies = {body.name for body in solid.bodies or []}
+    for i, probe in enumerate(scene.probes):
+        if probe.body not in bodies:
+            continue
+        path = f'probes[{i}].quantity = "{probe.quantity}"'
+        known = _EXPRESSED.get(solid.model)
+        if known is not None and probe.quantity in SOLID_ONLY and probe.quantity not in known:
+            yield f"{path}: model {solid.model} only knows {', '.join(known)}; total-lagrangian and ctvf know all"
+        elif solid.motion is not None and probe.quantity in _BY_FORCES:
+            yield f"{path}: the motion is prescribed, so no forces are computed; leave it out"
+
+
+def _starts(scene: Scene) -> Iterator[str]:
+    """Initial states that a body or the model cannot take."""
+    solid = scene.solid
+    if solid is None or solid.model is None:
+        return
+    clamped = {clamp.body for clamp in solid.clamps or []}
+    for i, body in enumerate(solid.bodies or []):
+        path = f"solid.bodies[{i}]"
+        if body.prestrain and any(body.prestrain):
+            if solid.model not in PARTICLE_MODELS:
+                yield f"{path}.prestrain: for models total-lagrangian and ctvf, not for model {solid.model}"
+            elif body.name in clamped:
+                yield f"{path}.prestrain: body '{body.name}' is clamped, so it cannot start stretched; use loads"
+        if body.velocity_mode is not None:
+            if solid.model in RIGID_MODELS:
+                yield f"{path}.velocity_mode: bodies of model {solid.model} do not bend"
+            if has_shape(body) and body.rectangle is None:
+                yield f"{path}.velocity_mode: needs a rectangle"
+            elif has_shape(body) and body.velocity_mode.clamped is not None:
+                ratio, axis = slenderness(body)
+                if _AXIS[body.velocity_mode.clamped] != axis:
+                    ends = " or ".join(name for name, of in _AXIS.items() if of == axis)
+                    yield (
+                        f'{path}.velocity_mode.clamped = "{body.velocity_mode.clamped}": a long face of body '
+                        f"'{body.name}', {ratio:.3g} times as long as thick; allowed: {ends}"
+                    )
+        if body.spin and solid.model == "rigid":
+            yield f"{path}.spin: bodies of model rigid move by solid.motion"
+
+
+def _schedules(scene: Scene) -> Iterator[str]:
+    solid = scene.solid
+    if solid is None or solid.model in (None, *PARTICLE_MODELS):
+        return
+    for i, load in enumerate(solid.loads or []):
+        if load.following:
+            yield f"solid.loads[{i}].following: for models total-lagrangian and ctvf, not for model {solid.model}"
 
 
 def _unused(scene: Scene) -> Iterator[str]:
@@ -80,5 +158,5 @@ def _unused(scene: Scene) -> Iterator[str]:
                 yield f"{wrong}; model beam wants {WANTED_SLENDER:g}"
 
 
-MODEL_CHECKS: tuple[Callable[[Scene], Iterator[str]], ...] = (_beams, _motion)
+MODEL_CHECKS: tuple[Callable[[Scene], Iterator[str]], ...] = (_beams, _motion, _quantities, _starts, _schedules)
 MODEL_WARNINGS: tuple[Callable[[Scene], Iterator[str]], ...] = (_unused,)

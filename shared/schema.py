@@ -93,6 +93,9 @@ class Shape(Table):
         return self
 
 
+MOST_PRESTRAIN = 0.3  # past it the models' laws, and what the word strain means, part ways
+
+
 class Body(Shape):
     """A named region filled with particles at the side's dx."""
 
@@ -100,10 +103,50 @@ class Body(Shape):
     velocity: Pair = key((0.0, 0.0), unit="m/s", about="initial velocity, uniform")
 
 
+FaceName = Literal["left", "right", "bottom", "top"]
+
+
+class VelocityMode(Table):
+    """Initial velocity of a slender rectangle in the shape of a bending mode of the thin cantilever.
+
+    Across the length, v = V F(x)/F(L) with F the mode's shape from the clamped face to the tip, towards a quarter turn
+    counter-clockwise from the way to the tip.
+    """
+
+    clamped: FaceName = key(about="short face that holds the cantilever, in the body's own frame before rotation")
+    mode: Annotated[int, Field(ge=1, le=4)] = key(1, about="number of the bending mode")
+    tip_speed: float | None = key(None, unit="m/s", about="speed V of the tip")
+    tip_speed_over_c0: float | None = key(
+        None, unit="-", about="speed V of the tip over c0 = √(K/ρ), K the bulk modulus; V_f of the oscillating plate"
+    )
+
+    @model_validator(mode="after")
+    def _one_speed(self):
+        if (self.tip_speed is None) == (self.tip_speed_over_c0 is None):
+            raise ValueError("give either tip_speed or tip_speed_over_c0")
+        return self
+
+
 class SolidBody(Body):
     """A named elastic region."""
 
     free: bool = key(False, about="true: the body is meant to have no clamp and moves freely")
+    velocity_mode: VelocityMode | None = key(None, about="initial velocity by bending mode, added to velocity")
+    spin: float = key(
+        0.0, unit="rad/s", about="initial rotation about the body's centre, counter-clockwise, added to velocity"
+    )
+    prestrain: tuple[float, float, float] = key(
+        (0.0, 0.0, 0.0),
+        unit="-",
+        about="uniform stretch ε_xx, ε_yy, ε_xy of the body about its centre at t = 0, in the scene's axes",
+    )
+
+    @field_validator("prestrain")
+    @classmethod
+    def _prestrain_is_elastic(cls, strain):
+        if max(map(abs, strain)) > MOST_PRESTRAIN:
+            raise ValueError(f"{list(strain)}: no component may exceed {MOST_PRESTRAIN:g}")
+        return strain
 
 
 class Motion(Table):
@@ -199,8 +242,23 @@ class Clamp(Table):
     )
 
 
+class TimeTable(Table):
+    """A factor against time, linear between the times, held before the first and after the last."""
+
+    times: list[float] = key(unit="s", about="increasing times", min_length=2)
+    factors: list[float] = key(unit="-", about="the load's factor at each time", min_length=2)
+
+    @model_validator(mode="after")
+    def _lengths(self):
+        if any(b <= a for a, b in itertools.pairwise(self.times)):
+            raise ValueError(f"times must increase; got {self.times}")
+        if len(self.factors) != len(self.times):
+            raise ValueError(f"factors has {len(self.factors)} entries for {len(self.times)} times")
+        return self
+
+
 class Load(Table):
-    """A traction on a face or an acceleration of a whole body, switched on at t = 0 or ramped."""
+    """A traction on a face or an acceleration of a whole body, switched on at t = 0, ramped, or by a time table."""
 
     body: Name = key(about="a body of the solid")
     face: str | None = key(None, about="face that carries the traction")
@@ -209,9 +267,20 @@ class Load(Table):
     )
     acceleration: Pair | None = key(None, unit="m/s²", about="body force per mass")
     ramp: NonNegative = key(0.0, unit="s", about="the load grows smoothly (half cosine) from zero over this time")
+    table: TimeTable | None = key(None, about="{ times, factors }: the load follows this table instead of a ramp")
+    following: bool = key(
+        False,
+        about=(
+            "true: the traction turns with its face and acts per deformed area, as a pressure does; false: dead load"
+        ),
+    )
 
     @model_validator(mode="after")
     def _kind(self):
+        if self.table is not None and self.ramp > 0.0:
+            raise ValueError("give either ramp or table")
+        if self.following and self.traction is None:
+            raise ValueError("following = true needs face and traction")
         if (self.traction is None) == (self.acceleration is None):
             raise ValueError("give either face and traction, or acceleration")
         if (self.traction is None) != (self.face is None):
@@ -277,7 +346,11 @@ class Solid(Table):
     gravity: bool = key(True, about="the scene's gravity acts on the solid too")
     bodies: list[SolidBody] = key(about="elastic bodies", min_length=1)
     motion: Motion | None = key(
-        None, about="prescribed motion of all bodies (model rigid only); absent: they stand still"
+        None,
+        about=(
+            "prescribed motion of all bodies: of model rigid, or of total-lagrangian and ctvf without clamps, whose "
+            "particles are then carried rigidly from their prestrained places; absent: rigid bodies stand still"
+        ),
     )
     spring: Spring = key(Spring(), about="springs and dampers of model spring; as it stands, its bodies are free")
     clamps: list[Clamp] = key([], about="faces held fixed")
@@ -313,6 +386,19 @@ Quantity = Literal[
     "level",
     "max-speed",
     "kinetic-energy",
+    "strain-energy",
+    "external-work",
+    "dissipated",
+    "momentum-x",
+    "momentum-y",
+    "angular-momentum",
+    "reaction-x",
+    "reaction-y",
+    "stress-xx",
+    "stress-yy",
+    "stress-xy",
+    "von-mises",
+    "spacing-max",
     "force-x",
     "force-y",
     "leaked",
@@ -324,20 +410,25 @@ class Probe(Table):
     quantity: Quantity = key(
         about=(
             "displacement-x, -y: of a material point of a solid; pressure: of the fluid at a point; front-x, "
-            "level: largest x and y of connected fluid; max-speed, kinetic-energy: of a body; force-x, -y: of "
-            "the fluid on a solid body or wall; leaked: fluid particles through walls or out of the domain"
+            "level: largest x and y of connected fluid; max-speed, kinetic-energy: of a body; strain-energy, "
+            "external-work (done by loads and fluid), dissipated (work and initial energy less the energy left: by "
+            "damping, viscosity and the time integration), momentum-x, -y, angular-momentum (about the origin), "
+            "reaction-x, -y (force of all clamps on the body), spacing-max (largest distance to the nearest particle "
+            "over the spacing): of a solid body; stress-xx, -yy, -xy, von-mises: Cauchy stress at a material point of "
+            "a solid; force-x, -y: of the fluid on a solid body or wall; leaked: fluid particles through walls or out "
+            "of the domain"
         )
     )
     body: Name | None = key(
         None,
-        about="body or wall (needed by displacement, speed, energy, force; front, level: all fluid if absent)",
+        about="body or wall (needed by quantities of a solid, speed, energy, force; front, level: all fluid if absent)",
     )
     point: Pair | None = key(
         None, unit="m", about="material point in the reference configuration, or place in the fluid"
     )
 
 
-Statistic = Literal["mean", "min", "max", "final", "t_min", "t_max", "slope"]
+Statistic = Literal["mean", "min", "max", "final", "t_min", "t_max", "slope", "period"]
 
 
 class Reference(Table):
@@ -345,12 +436,20 @@ class Reference(Table):
 
     probe: Name = key(about="the probe compared")
     name: str = key(about="who says so")
-    value: float | None = key(None, about="reference value, in the probe's unit (t_min, t_max: s; slope: unit/s)")
+    value: float | None = key(
+        None, about="reference value, in the probe's unit (t_min, t_max, period: s; slope: unit/s)"
+    )
     curve: str | None = key(
         None, about="CSV of time [s] and value, path relative to the scene file or to the shipped cases"
     )
     scale: Pair = key((1.0, 1.0), about="factors that turn the curve's two columns into s and the probe's unit")
-    statistic: Statistic = key("max", about="what is compared; mean is over output.average_from … end")
+    statistic: Statistic = key(
+        "max",
+        about=(
+            "what is compared; mean is over output.average_from … end; period: mean time between crossings, all "
+            "the same way, of the middle between the largest and the smallest value"
+        ),
+    )
     between: Pair | None = key(
         None, unit="s", about="interval of the statistic; absent: the whole run (mean: from average_from)"
     )

@@ -30,7 +30,7 @@ def own_probes(scene: Scene, side: str) -> Scene:
     solid = {b.name for b in scene.solid.bodies} if scene.solid else set()
 
     def is_solid(p):
-        return p.quantity.startswith("displacement") or (p.quantity == "kinetic-energy" and p.body in solid)
+        return p.body in solid and p.quantity not in ("force-x", "force-y")
 
     kept = [p for p in scene.probes if is_solid(p) == (side == "solid")]
     names = {p.name for p in kept}

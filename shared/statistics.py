@@ -16,10 +16,11 @@ _TIME_ROUNDING = 1e-9  # of an interval's length, within which a history that en
 
 
 def statistic(name: str, time: np.ndarray, value: np.ndarray, between: Interval | None = None) -> float | None:
-    """One of mean, min, max, final, t_min, t_max, slope over `between` [s] (default: the whole history).
+    """One of mean, min, max, final, t_min, t_max, slope, period over `between` [s] (default: the whole history).
 
     mean is time-weighted (trapezoidal rule), slope that of the least-squares line through the points, t_min and t_max
-    the first times of the extremes. None if the history does not cover the interval, or has no value in it.
+    the first times of the extremes, period as in `_period`. None if the history does not cover the interval, or has no
+    value in it.
     """
     time, value = finite(time, value)
     if len(time) == 0:
@@ -27,7 +28,7 @@ def statistic(name: str, time: np.ndarray, value: np.ndarray, between: Interval 
     if between is not None:
         if not covers(time, between):
             return None
-        time, value = _cut(time, value, between, with_ends=name != "slope")
+        time, value = _cut(time, value, between, with_ends=name not in ("slope", "period"))
     return _STATISTICS[name](time, value)
 
 
@@ -75,6 +76,19 @@ def _slope(time: np.ndarray, value: np.ndarray) -> float | None:
     return float(offset @ value) / spread if spread > 0.0 and math.isfinite(spread) else None
 
 
+def _period(time: np.ndarray, value: np.ndarray) -> float | None:
+    """Mean time between crossings of the middle between the extremes, the first way that it is crossed; None if it is
+    not crossed twice."""
+    above = value > 0.5 * (value.max() + value.min())
+    crossed = np.flatnonzero(above[1:] != above[:-1])
+    if len(crossed) < 3:
+        return None
+    middle = 0.5 * (value.max() + value.min())
+    share = (middle - value[crossed]) / (value[crossed + 1] - value[crossed])
+    times = (time[crossed] + share * (time[crossed + 1] - time[crossed]))[::2]
+    return float((times[-1] - times[0]) / (len(times) - 1))
+
+
 _STATISTICS = {
     "mean": _mean,
     "min": lambda time, value: float(value.min()),
@@ -83,4 +97,5 @@ _STATISTICS = {
     "t_min": lambda time, value: float(time[value.argmin()]),
     "t_max": lambda time, value: float(time[value.argmax()]),
     "slope": _slope,
+    "period": _period,
 }

@@ -15,7 +15,7 @@ from shared.geometry import Particles, faces, fill
 from shared.kernels import kernel_named
 from shared.schema import Scene, SolidBody
 from solid_solver.clamps import FACE_POINT_WEIGHT, face_points
-from solid_solver.quadratic_fit import Fit, basis, quadratic_fit
+from solid_solver.quadratic_fit import Fit, basis, basis_slope, quadratic_fit
 from solid_solver.stencil import fast_axis_first
 
 _ROUNDING = 9  # decimals of index units: equal neighbourhoods must be equal to the bit
@@ -44,6 +44,11 @@ class LatticeBody:
         return float(self.spacing[0] * self.spacing[1])
 
     @property
+    def own(self) -> slice:
+        """Its particles among all bodies'."""
+        return slice(self.first, self.first + len(self.position))
+
+    @property
     def scale(self) -> np.ndarray:
         """Factors (5,) that turn derivatives by index into derivatives by length."""
         a, b = 1.0 / self.spacing
@@ -53,12 +58,16 @@ class LatticeBody:
         """Points (m, 2) [m] of the reference configuration in index units."""
         return np.round(points @ self.axes.T / self.spacing - self.origin, _ROUNDING)
 
-    def point_weights(self, points: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    def point_weights(
+        self, points: np.ndarray, along: np.ndarray | None = None
+    ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         """Weights that give the displacement at material `points` (m, 2) [m]: f(x) = Σ w f[particle].
 
-        Returns rows (the point), columns (particle number among all bodies'), weights. From the quadratic fit
-        about the nearest particle, or the mean of those equally near; exact for quadratic fields, also on faces.
+        With `along` (m, 2), unit vectors: weights of the derivative in their direction [1/m]. Returns rows (the point),
+        columns (particle number among all bodies'), weights. From the quadratic fit about the nearest particle, or the
+        mean of those equally near; exact for quadratic fields, also on faces.
         """
+        towards = None if along is None else along @ self.axes.T / self.spacing
         at = self.to_index(points)
         tree = cKDTree(self.index.astype(float))
         nearest, _ = tree.query(at)
@@ -67,13 +76,21 @@ class LatticeBody:
         for m, near in enumerate(nearest):
             owners = sorted(tree.query_ball_point(at[m], near * (1.0 + _TIE) + _TIE))
             for a in owners:
-                w = self.fit.coefficient[a] @ basis(at[m] - self.index[a])
-                w[np.all(self.fit.offset == 0, axis=1)] += 1.0
+                s = at[m] - self.index[a]
+                w = self.fit.coefficient[a] @ (basis(s) if along is None else basis_slope(s, towards[m]))
+                if along is None:
+                    w[np.all(self.fit.offset == 0, axis=1)] += 1.0
                 for k in np.flatnonzero(w):
                     rows.append(m)
                     columns.append(self.first + number[tuple(self.index[a] + self.fit.offset[k])])
                     weights.append(w[k] / len(owners))
         return np.array(rows), np.array(columns), np.array(weights)
+
+
+def nearest_gap(body: LatticeBody, displacement: np.ndarray) -> float:
+    """Largest distance of a particle to its nearest one, over the smaller spacing, under `displacement` (n, 2) [m]."""
+    place = body.position + displacement[body.own]
+    return float(cKDTree(place).query(place, k=2)[0][:, 1].max() / body.spacing.min())
 
 
 def _lattice(particles: Particles) -> tuple[np.ndarray, ...]:

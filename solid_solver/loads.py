@@ -1,4 +1,4 @@
-"""Loads of the scene as accelerations of the particles: tractions, body accelerations, gravity, ramps in time."""
+"""Loads of the scene as accelerations of the particles: tractions, body accelerations, gravity, and when they act."""
 
 from __future__ import annotations
 
@@ -11,6 +11,7 @@ from shared.geometry import faces
 from shared.schema import Load, Scene
 from solid_solver.bodies import LatticeBody
 from solid_solver.clamps import face_points
+from solid_solver.following import FollowingLoad, following_load
 
 
 def ramp_shares(times: np.ndarray, ramps: np.ndarray) -> np.ndarray:
@@ -19,21 +20,66 @@ def ramp_shares(times: np.ndarray, ramps: np.ndarray) -> np.ndarray:
     return 0.5 * (1.0 - np.cos(math.pi * progress))
 
 
-@dataclass(frozen=True)
-class ScheduledLoads:
-    """`steady` (n, 2) [m/s²], on from t = 0; `ramped` (g, n, 2) [m/s²] grow from zero over `ramps` (g,) [s]."""
+@dataclass(frozen=True, order=True)
+class Schedule:
+    """When a load acts: over a `ramp` [s], or by `factors` at `times` [s]; as it stands, from t = 0 on."""
 
-    steady: np.ndarray
-    ramps: np.ndarray
-    ramped: np.ndarray
+    ramp: float = 0.0
+    times: tuple[float, ...] = ()
+    factors: tuple[float, ...] = ()
 
     def shares(self, times: np.ndarray) -> np.ndarray:
-        """Fractions (m, g) of the ramped loads that act at `times` (m,) [s]."""
-        return ramp_shares(times, self.ramps)
+        """The load's factor (m,) at `times` (m,) [s]."""
+        if self.times:
+            return np.interp(times, self.times, self.factors)
+        if self.ramp == 0.0:
+            return np.ones(len(times))
+        return ramp_shares(times, np.array([self.ramp]))[:, 0]
+
+
+def schedule(load: Load) -> Schedule:
+    """The schedule of a load of the scene."""
+    if load.table is not None:
+        return Schedule(times=tuple(load.table.times), factors=tuple(load.table.factors))
+    return Schedule(ramp=load.ramp)
+
+
+@dataclass(frozen=True)
+class ScheduledLoads:
+    """`steady` (n, 2) [m/s²], on from t = 0; `ramped` (g, n, 2) [m/s²] times their `schedules`' factors.
+
+    `at_clamps` (1 + g, bodies, 2) [N/m]: what loads put on clamped faces directly, the steady ones' first;
+    `following` (pairs of load and schedule): loads that depend on the displacement.
+    """
+
+    steady: np.ndarray
+    schedules: tuple[Schedule, ...]
+    ramped: np.ndarray
+    at_clamps: np.ndarray
+    following: tuple[tuple[FollowingLoad, Schedule], ...]
+
+    def shares(self, times: np.ndarray) -> np.ndarray:
+        """Factors (m, g) of the ramped loads at `times` (m,) [s]."""
+        return np.array([s.shares(times) for s in self.schedules]).reshape(len(self.schedules), len(times)).T.copy()
 
     def at(self, time: float) -> np.ndarray:
-        """Acceleration (n, 2) [m/s²] by all loads at `time` [s]."""
-        return self.steady + np.tensordot(self.shares(np.array([time]))[0], self.ramped, axes=1)
+        """Acceleration (n, 2) [m/s²] by all loads of the undeformed bodies at `time` [s]."""
+        dead = self.steady + np.tensordot(self.shares(np.array([time]))[0], self.ramped, axes=1)
+        return dead + self.by_following(time, np.zeros_like(dead))
+
+    def by_following(self, time: float, displacement: np.ndarray) -> np.ndarray:
+        """Acceleration (n, 2) [m/s²] by the following loads under a `displacement` (n, 2) [m] at `time` [s]."""
+        total = np.zeros_like(self.steady)
+        for load, when in self.following:
+            total += when.shares(np.array([time]))[0] * load.acceleration(displacement)
+        return total
+
+    def on_clamps(self, time: float, displacement: np.ndarray) -> np.ndarray:
+        """Force (bodies, 2) [N/m] that the loads put on clamped faces directly."""
+        total = self.at_clamps[0] + np.tensordot(self.shares(np.array([time]))[0], self.at_clamps[1:], axes=1)
+        for load, when in self.following:
+            total[load.body] += when.shares(np.array([time]))[0] * load.on_clamps(displacement)
+        return total
 
 
 def traction_forces(body: LatticeBody, face: str, traction: tuple[float, float], count: int) -> np.ndarray:
@@ -51,25 +97,40 @@ def traction_forces(body: LatticeBody, face: str, traction: tuple[float, float],
     return force
 
 
-def _acceleration(load: Load, body: LatticeBody, count: int, density: float) -> np.ndarray:
-    if load.traction is not None:
-        return traction_forces(body, load.face, load.traction, count) / (density * body.cell)
-    field = np.zeros((count, 2))
-    field[body.first : body.first + len(body.position)] = load.acceleration
-    return field
+def _dead_load(load: Load, body: LatticeBody, count: int, density: float) -> tuple[np.ndarray, np.ndarray]:
+    """Acceleration (count, 2) [m/s²] by one load, and the force (2,) [N/m] that it puts on the clamps directly."""
+    if load.traction is None:
+        field = np.zeros((count, 2))
+        field[body.first : body.first + len(body.position)] = load.acceleration
+        return field, np.zeros(2)
+    force = traction_forces(body, load.face, load.traction, count)
+    _, lengths = face_points(faces(body.shape)[load.face], body.axes, body.spacing)
+    return force / (density * body.cell), lengths.sum() * np.asarray(load.traction) - force.sum(axis=0)
 
 
 def scheduled_loads(scene: Scene, bodies: list[LatticeBody]) -> ScheduledLoads:
-    """All loads of the solid, those with equal ramps summed."""
+    """All loads of the solid, those with equal schedules summed."""
     solid = scene.solid
     count = sum(len(b.position) for b in bodies)
-    by_ramp: dict[float, np.ndarray] = {0.0: np.zeros((count, 2))}
-    if solid.gravity:
-        by_ramp[0.0] += np.asarray(scene.gravity)
+    dead: dict[Schedule, tuple[np.ndarray, np.ndarray]] = {}
+    following = []
+
+    def of(when: Schedule) -> tuple[np.ndarray, np.ndarray]:
+        return dead.setdefault(when, (np.zeros((count, 2)), np.zeros((len(bodies), 2))))
+
+    of(Schedule())[0][...] += np.asarray(scene.gravity) if solid.gravity else 0.0
     for load in solid.loads:
-        body = next(b for b in bodies if b.shape.name == load.body)
-        field = by_ramp.setdefault(load.ramp, np.zeros((count, 2)))
-        field += _acceleration(load, body, count, solid.density)
-    steady = by_ramp.pop(0.0)
-    ramps = sorted(by_ramp)
-    return ScheduledLoads(steady, np.array(ramps), np.array([by_ramp[r] for r in ramps]).reshape(len(ramps), count, 2))
+        number = next(k for k, b in enumerate(bodies) if b.shape.name == load.body)
+        if load.following:
+            following.append((following_load(load, number, bodies[number], count, solid.density), schedule(load)))
+            continue
+        acceleration, clamped = _dead_load(load, bodies[number], count, solid.density)
+        field, at_clamps = of(schedule(load))
+        field += acceleration
+        at_clamps[number] += clamped
+    steady, first = dead.pop(Schedule())
+    schedules = tuple(sorted(dead))
+    ramped = np.array([dead[s][0] for s in schedules]).reshape(len(schedules), count, 2)
+    return ScheduledLoads(
+        steady, schedules, ramped, np.array([first, *(dead[s][1] for s in schedules)]), tuple(following)
+    )

@@ -62,6 +62,12 @@ def basis(s: np.ndarray) -> np.ndarray:
     return np.stack([a, b, 0.5 * a * a, a * b, 0.5 * b * b], axis=-1)
 
 
+def basis_slope(s: np.ndarray, towards: np.ndarray) -> np.ndarray:
+    """Derivative (5,) of p at offset `s` (2,) in the direction `towards` (2,) [index units]."""
+    (a, b), (p, q) = s, towards
+    return np.array([p, q, a * p, a * q + b * p, b * q])
+
+
 def _offsets(reach: float) -> np.ndarray:
     """Lattice offsets nearer than `reach`, row by row, first axis fastest."""
     m = math.ceil(reach)

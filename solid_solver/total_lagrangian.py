@@ -18,11 +18,14 @@ import numpy as np
 
 from shared.contract import Description, Exchange, Frame, Kinematics, Loads, SolverFailed
 from shared.schema import Scene
-from solid_solver.bodies import lattice_bodies
+from solid_solver.bodies import LatticeBody, lattice_bodies, nearest_gap
+from solid_solver.carried import Carried
+from solid_solver.energies import WorkBook, lattice_energy, trapezoid
+from solid_solver.initial import start_velocity, stretched
 from solid_solver.interface import damped_kick, describe, kinematics_over_window, lame, viscous_time, wave_speed
 from solid_solver.lattice_sweeps import SCRATCH, SUMS, derivative_sweep, steps
 from solid_solver.loads import scheduled_loads
-from solid_solver.probes import solid_probes
+from solid_solver.probes import Observed, kinetic_energy, solid_probes, wants_work
 from solid_solver.stencil import lay_out
 from solid_solver.strain_gradient import STRAINS, extremes
 from solid_solver.stresses import cauchy_fields
@@ -39,6 +42,9 @@ TRIAL_STRAIN = 1.0e-7
 
 PARALLEL_FROM = 20000
 """Particles from which a second thread pays, also beside a busy fluid: a step is then longer than a time slice lost."""
+
+
+_STILL = np.array([[1.0, 0.0], [1.0, 0.0]])  # kicks that move nothing, for forces alone
 
 
 class TotalLagrangian:
@@ -66,12 +72,12 @@ class TotalLagrangian:
         self._ramped = np.array([self._padded(r) for r in self._loads.ramped]).reshape(-1, 2, layout.slots)
         self._probes = solid_probes(scene, self._bodies)
         self._u, self._v, self._a = (np.zeros((2, layout.slots)) for _ in range(3))
-        for body in self._bodies:
-            own = self._slot[body.first : body.first + len(body.position)]
-            self._v[:, own] = np.asarray(body.shape.velocity)[:, None]
         self._time, self._steps = 0.0, 0
         self._reference_step = self._linear_step()
-        self._survey()
+        owner = np.repeat(np.arange(len(self._bodies)), [len(b.position) for b in self._bodies])
+        self._books = WorkBook(wants_work(scene), owner, self._mass, len(self._bodies))
+        self._set_out()
+        self._start = np.array([self._kinetic(k) + self._strain_energy(k) for k in range(len(self._bodies))])
 
     # ---- the contract -----------------------------------------------------------------------------------------
 
@@ -79,9 +85,10 @@ class TotalLagrangian:
         return describe(self._scene, self._bodies, self.stable_step())
 
     def begin(self, motion: Kinematics | None) -> Kinematics:
-        acceleration = self._loads.at(0.0) - self._scene.solid.damping * self._public(self._v)
         velocity = self._public(self._v)
-        return Kinematics(self._position.copy(), velocity, acceleration, velocity.copy(), acceleration.copy())
+        acceleration = self._public(self._a) + self._loads.at(0.0) - self._scene.solid.damping * velocity
+        place = self._position + self._public(self._u)
+        return Kinematics(place, velocity, acceleration, velocity.copy(), acceleration.copy())
 
     def stable_step(self) -> float:
         # The tangent stiffness of St. Venant-Kirchhoff's law along a stretch Λ is (3Λ² − 1)/2 times the linear one.
@@ -90,32 +97,29 @@ class TotalLagrangian:
     def advance(self, t0: float, t1: float, substeps: int, boundary: Exchange | None) -> Kinematics:
         numba.set_num_threads(self._threads)
         dt = (t1 - t0) / substeps
-        shares = self._loads.shares(t0 + dt * np.arange(substeps + 1))
-        steady = self._loads.steady
-        if isinstance(boundary, Loads):
-            steady = steady + boundary.force / self._mass[:, None]
-        load = self._padded(steady)
         start = self._position + self._public(self._u), self._public(self._v)
-        eta = self._scene.solid.damping
-        whole, half = damped_kick(eta, dt), damped_kick(eta, 0.5 * dt)
-        self._v *= half[0]
-        self._v += half[1] * (self._a + load + np.tensordot(shares[0], self._ramped, axes=1))
-        self._u += dt * self._v
-        self._step(load, shares[1:], np.array([whole, half]), dt)
+        if self._carried is not None:
+            self._carry(t1)
+            acceleration = self._carried.at(t1)[2]
+        else:
+            force = boundary.force / self._mass[:, None] if isinstance(boundary, Loads) else None
+            together = 1 if self._loads.following else substeps
+            for first in range(0, substeps, together):
+                total = self._kick_drift(t0 + dt * np.arange(first, first + together + 1), dt, force)
+            acceleration = self._public(total)
         self._steps += substeps
         self._time = t1
         self._survey()
         end = self._position + self._public(self._u), self._public(self._v)
-        total = self._a + load + np.tensordot(shares[-1], self._ramped, axes=1) - eta * self._v
-        return kinematics_over_window(start, end, self._public(total), t1 - t0)
+        return kinematics_over_window(start, end, acceleration, t1 - t0)
 
     def state(self) -> dict[str, np.ndarray]:
         fields = {"displacement": self._u, "velocity": self._v, "acceleration": self._a, "strain": self._strain}
-        return {**fields, "time": np.array([self._time])}
+        return {**fields, "work": self._books.done, "time": np.array([self._time])}
 
     def restore(self, state: Mapping[str, np.ndarray]) -> None:
         self._u[...], self._v[...], self._a[...] = state["displacement"], state["velocity"], state["acceleration"]
-        self._strain[...] = state["strain"]
+        self._strain[...], self._books.done[...] = state["strain"], state["work"]
         self._time = float(state["time"][0])
         self._survey()
 
@@ -132,15 +136,23 @@ class TotalLagrangian:
 
     def probe_values(self) -> dict[str, float]:
         u, v = self._public(self._u), self._public(self._v)
-        return {name: value(u, v) for name, value in self._probes.items()}
+        seen = Observed(
+            displacement=u,
+            velocity=v,
+            place=self._position + u,
+            speed=v,
+            strain_energy=self._strain_energy,
+            clamp_force=self._clamp_force,
+            stress=self._stress_fields,
+            gap=lambda k: nearest_gap(self._bodies[k], u),
+            work=self._books.done,
+            start=self._start,
+        )
+        return {name: value(seen) for name, value in self._probes.items()}
 
     def frame(self) -> Frame:
-        planes = np.zeros_like(self._stress)
-        derivative_sweep(self._u, planes, self._scratch, tuple(self._layout.forward))
         u = self._public(self._u)
-        fields = {"displacement": u, "velocity": self._public(self._v)}
-        fields |= cauchy_fields(planes[:, self._slot], self._axis_of, *lame(self._scene.solid))
-        return Frame(self._position + u, fields)
+        return Frame(self._position + u, {"displacement": u, "velocity": self._public(self._v)} | self._stress_fields())
 
     def particles(self) -> int:
         return self._count
@@ -149,6 +161,81 @@ class TotalLagrangian:
         return self._steps
 
     # ---- inside -----------------------------------------------------------------------------------------------
+
+    def _set_out(self) -> None:
+        """The state at t = 0: stretched bodies with velocities and internal forces, carried where the motion says."""
+        solid = self._scene.solid
+        place = np.empty_like(self._position)
+        for body in self._bodies:
+            centre = body.position.mean(axis=0)
+            self._v[:, self._slots(body)] = start_velocity(solid, body.shape, body.position, centre).T
+            place[body.own] = stretched(body.shape, body.position, centre)
+        self._carried = Carried(solid.motion, place) if solid.motion else None
+        self._u[:, self._slot] = (place - self._position).T
+        if self._carried is not None:
+            self._carry(0.0)
+        elif np.any(self._u):
+            self._step(np.zeros_like(self._u), np.zeros((1, len(self._ramped))), _STILL, 0.0)
+        self._survey()
+
+    def _carry(self, time: float) -> None:
+        place, velocity, _ = self._carried.at(time)
+        self._u[:, self._slot], self._v[:, self._slot] = (place - self._position).T, velocity.T
+
+    def _kick_drift(self, times: np.ndarray, dt: float, force: np.ndarray | None) -> np.ndarray:
+        """Steps of `dt` [s] between `times` under a constant `force` (n, 2) [m/s²] beside the scene's loads.
+
+        Returns the acceleration (2, slots) at the last time.
+        """
+        shares = self._loads.shares(times)
+        eta = self._scene.solid.damping
+        whole, half = damped_kick(eta, dt), damped_kick(eta, 0.5 * dt)
+        before, load = self._public(self._u), self._steady(times[0], force)
+        self._v *= half[0]
+        self._v += half[1] * (self._a + self._padded(load) + np.tensordot(shares[0], self._ramped, axes=1))
+        self._u += dt * self._v
+        after = self._steady(times[-1], force) if self._loads.following else load
+        held = self._padded(after)
+        self._step(held, shares[1:], np.array([whole, half]), dt)
+        if self._books.wanted:
+            mean = 0.5 * (load + after) + np.tensordot(trapezoid(shares), self._loads.ramped, axes=1)
+            self._books.add(mean, self._public(self._u) - before)
+        return self._a + held + np.tensordot(shares[-1], self._ramped, axes=1) - eta * self._v
+
+    def _steady(self, time: float, force: np.ndarray | None) -> np.ndarray:
+        """Acceleration (n, 2) [m/s²] by loads that are kept over a step, in the present state."""
+        steady = self._loads.steady if force is None else self._loads.steady + force
+        if self._loads.following:
+            steady = steady + self._loads.by_following(time, self._public(self._u))
+        return steady
+
+    def _slots(self, body: LatticeBody) -> np.ndarray:
+        return self._slot[body.own]
+
+    def _kinetic(self, k: int) -> float:
+        body = self._bodies[k]
+        return kinetic_energy(self._mass[body.own], self._v[:, self._slots(body)].T)
+
+    def _planes(self) -> np.ndarray:
+        """Derivatives (10, n) of the displacement at the particles."""
+        planes = np.zeros_like(self._stress)
+        derivative_sweep(self._u, planes, self._scratch, tuple(self._layout.forward))
+        return planes[:, self._slot]
+
+    def _strain_energy(self, k: int) -> float:
+        body = self._bodies[k]
+        moment = np.tile(self._moment[k], (len(body.position), 1))
+        density = lattice_energy(self._planes()[:, body.own], self._axis_of[body.own], moment, *lame(self._scene.solid))
+        return float(body.cell * density.sum())
+
+    def _clamp_force(self, k: int) -> np.ndarray:
+        """Force (2,) [N/m] of the clamps on a body: internal forces on particles and fixed points add up to nothing."""
+        body = self._bodies[k]
+        inside = self._a[:, self._slots(body)] @ self._mass[body.own]
+        return inside - self._loads.on_clamps(self._time, self._public(self._u))[k]
+
+    def _stress_fields(self) -> dict[str, np.ndarray]:
+        return cauchy_fields(self._planes(), self._axis_of, *lame(self._scene.solid))
 
     def _padded(self, field: np.ndarray) -> np.ndarray:
         """A field (n, 2) over the padded slots, (2, slots)."""
@@ -175,18 +262,16 @@ class TotalLagrangian:
         if solid.courant != "auto":
             return solid.courant * dx / wave_speed(solid)
         numba.set_num_threads(self._threads)
-        saved = {name: array.copy() for name, array in self.state().items() if name != "time"}
         self._u[:, self._slot] = np.random.default_rng(0).standard_normal((2, self._count))
-        still = np.array([[1.0, 0.0], [1.0, 0.0]])
         rest, shares = np.zeros_like(self._u), np.zeros((1, len(self._ramped)))
         omega_squared = 0.0
         for _ in range(POWER_ITERATIONS):
             self._u *= TRIAL_STRAIN * dx / np.max(np.abs(self._u))
-            self._step(rest, shares, still, 0.0)
+            self._step(rest, shares, _STILL, 0.0)
             omega_squared = math.sqrt(np.sum(self._a**2) / np.sum(self._u**2))
             self._u[...] = self._a
-        self._u[...], self._v[...], self._a[...] = saved["displacement"], saved["velocity"], saved["acceleration"]
-        self._strain[...] = 0.0
+        for field in (self._u, self._v, self._a, self._strain):
+            field[...] = 0.0
         # Of v' = v − Δt ω²(x + τ v), x' = x + Δt v': Δt² + 2 τ Δt < 4/ω².
         tau = self._viscous_time
         return COURANT_OF_LIMIT * (math.sqrt(tau**2 + 4.0 / omega_squared) - tau)

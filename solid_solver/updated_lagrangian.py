@@ -19,13 +19,23 @@ from shared.contract import Description, Exchange, Frame, Kinematics, Loads, Sol
 from shared.kernels import kernel_named
 from shared.schema import Scene
 from solid_solver.bodies import lattice_bodies
+from solid_solver.carried import Carried
 from solid_solver.clamps import fixed_particles
+from solid_solver.energies import WorkBook, stress_energy, trapezoid
+from solid_solver.initial import prestrain, start_velocity, stretched
 from solid_solver.interface import damped_kick, describe, kinematics_over_window, lame, wave_speed
 from solid_solver.loads import scheduled_loads
-from solid_solver.probes import solid_probes
+from solid_solver.probes import Observed, kinetic_energy, solid_probes, wants_work
 from solid_solver.shifting import NEEDED, shift, short_range
 from solid_solver.stresses import stress_fields
-from solid_solver.updated_sweeps import extreme_density, moved_too_far, nearest_distances, steps
+from solid_solver.updated_material import update_material
+from solid_solver.updated_sweeps import (
+    extreme_density,
+    moved_too_far,
+    nearest_distances,
+    steps,
+    velocity_derivatives,
+)
 
 COURANT = 0.7
 """Default step over dx/c_p: 1.0 still runs the clamped beam at α = 1 and ν = 0 … 0.4."""
@@ -68,7 +78,6 @@ class UpdatedLagrangian:
         self._x = np.ascontiguousarray(np.concatenate([self._reference, *(points for points, _ in fixed)]).T)
         count = self._x.shape[1]
         self._u, self._a = np.zeros((2, count)), np.zeros((2, self._free))
-        self._u[:, : self._free] = np.repeat([b.shape.velocity for b in self._bodies], sizes, axis=0).T
         self._volume = self._mass / solid.density
         self._rho, self._stress = np.full(count, solid.density), np.zeros((4, count))
         self._curvature = np.zeros((2, count))
@@ -80,8 +89,10 @@ class UpdatedLagrangian:
         self._probes = solid_probes(scene, self._bodies)
         self._threads = threads if count >= PARALLEL_FROM else 1
         self._time, self._steps = 0.0, 0
-        self._find_neighbours(self._x)
-        self._survey()
+        own = self._body[: self._free]
+        self._books = WorkBook(wants_work(scene), own, self._mass[: self._free], len(self._bodies))
+        self._set_out()
+        self._start = np.array([self._kinetic(k) + self._strain_energy(k) for k in range(len(self._bodies))])
 
     # ---- the contract -----------------------------------------------------------------------------------------
 
@@ -91,7 +102,9 @@ class UpdatedLagrangian:
     def begin(self, motion: Kinematics | None) -> Kinematics:
         velocity = self._u[:, : self._free].T.copy()
         acceleration = self._loads.at(0.0) - self._scene.solid.damping * velocity
-        return Kinematics(self._reference.copy(), velocity, acceleration, velocity.copy(), acceleration.copy())
+        return Kinematics(
+            self._x[:, : self._free].T.copy(), velocity, acceleration, velocity.copy(), acceleration.copy()
+        )
 
     def stable_step(self) -> float:
         solid = self._scene.solid
@@ -102,19 +115,19 @@ class UpdatedLagrangian:
     def advance(self, t0: float, t1: float, substeps: int, boundary: Exchange | None) -> Kinematics:
         numba.set_num_threads(self._threads)
         dt = (t1 - t0) / substeps
-        shares = self._loads.shares(t0 + dt * np.arange(substeps + 1))
-        steady = self._loads.steady
-        if isinstance(boundary, Loads):
-            steady = steady + boundary.force / self._mass[: self._free, None]
         start = self._tracers()
-        self._take_steps((np.ascontiguousarray(steady.T), self._ramped, shares), substeps, dt)
+        force = boundary.force / self._mass[: self._free, None] if isinstance(boundary, Loads) else None
+        together = 1 if self._loads.following or self._carried is not None else substeps
+        for first in range(0, substeps, together):
+            times = t0 + dt * np.arange(first, first + together + 1)
+            if self._carried is not None:
+                acceleration = self._carry(times[-1], dt)
+            else:
+                acceleration = self._advance_under(times, dt, force)
         self._steps += substeps
         self._time = t1
         self._survey()
-        end = self._tracers()
-        damping = self._scene.solid.damping * self._u[:, : self._free].T
-        total = self._a.T + steady + np.tensordot(shares[-1], self._loads.ramped, axes=1) - damping
-        return kinematics_over_window(start, end, total, t1 - t0)
+        return kinematics_over_window(start, self._tracers(), acceleration, t1 - t0)
 
     def state(self) -> dict[str, np.ndarray]:
         return {
@@ -128,6 +141,7 @@ class UpdatedLagrangian:
             "derivatives": self._sums[0],
             "correction": self._sums[1],
             "listed_at": self._built,
+            "work": self._books.done,
             "time": np.array([self._time]),
         }
 
@@ -162,18 +176,25 @@ class UpdatedLagrangian:
 
     def probe_values(self) -> dict[str, float]:
         position, velocity = self._tracers()
-        return {name: value(position - self._reference, velocity) for name, value in self._probes.items()}
+        seen = Observed(
+            displacement=position - self._reference,
+            velocity=velocity,
+            place=self._x[:, : self._free].T,
+            speed=self._u[:, : self._free].T,
+            strain_energy=self._strain_energy,
+            clamp_force=self._clamp_force,
+            stress=self._stress_fields,
+            gap=self._gap,
+            work=self._books.done,
+            start=self._start,
+        )
+        return {name: value(seen) for name, value in self._probes.items()}
 
     def frame(self) -> Frame:
-        free, solid = self._free, self._scene.solid
-        lam, mu = lame(solid)
-        pressure = (lam + 2.0 * mu / 3.0) / solid.density * (self._rho[:free] - solid.density)
-        xx, xy, yy, zz = self._stress[:, :free]
         position, velocity = self._tracers()
-        fields = {"displacement": position - self._reference, "velocity": velocity, "density": self._rho[:free].copy()}
-        return Frame(
-            self._x[:, :free].T.copy(), fields | stress_fields(xx - pressure, yy - pressure, zz - pressure, xy.copy())
-        )
+        density = self._rho[: self._free].copy()
+        fields = {"displacement": position - self._reference, "velocity": velocity, "density": density}
+        return Frame(self._x[:, : self._free].T.copy(), fields | self._stress_fields())
 
     def particles(self) -> int:
         return self._x.shape[1]
@@ -182,6 +203,98 @@ class UpdatedLagrangian:
         return self._steps
 
     # ---- inside -----------------------------------------------------------------------------------------------
+
+    def _set_out(self) -> None:
+        """The state at t = 0: stretched bodies with stress and velocity, carried where the motion says."""
+        solid, free = self._scene.solid, self._free
+        mu = lame(solid)[1]
+        for body in self._bodies:
+            centre, strain = body.position.mean(axis=0), prestrain(body.shape)
+            trace = float(np.trace(strain))
+            self._u[:, body.own] = start_velocity(solid, body.shape, body.position, centre).T
+            self._x[:, body.own] = stretched(body.shape, body.position, centre).T
+            third = trace / 3.0
+            deviator = [strain[0, 0] - third, strain[0, 1], strain[1, 1] - third, -third]
+            self._stress[:, body.own] = 2.0 * mu * np.array(deviator)[:, None]
+            self._rho[body.own] = solid.density * (1.0 - trace)
+        np.divide(self._mass, self._rho, out=self._volume)
+        self._carried = Carried(solid.motion, self._x[:, :free].T.copy()) if solid.motion else None
+        if self._carried is not None:
+            place, velocity, _ = self._carried.at(0.0)
+            self._x[:, :free], self._u[:, :free] = place.T, velocity.T
+        self._find_neighbours(self._x)
+        self._survey()
+
+    def _advance_under(self, times: np.ndarray, dt: float, force: np.ndarray | None) -> np.ndarray:
+        """Steps of `dt` [s] between `times` under a constant `force` (n, 2) [m/s²] beside the scene's loads.
+
+        Returns the acceleration (n, 2) at the last time.
+        """
+        shares = self._loads.shares(times)
+        steady = self._loads.steady if force is None else self._loads.steady + force
+        before, velocity = self._tracers()
+        if self._loads.following:
+            middle = before - self._reference + 0.5 * dt * velocity
+            steady = steady + self._loads.by_following(0.5 * (times[0] + times[-1]), middle)
+        self._take_steps((np.ascontiguousarray(steady.T), self._ramped, shares), len(times) - 1, dt)
+        if self._books.wanted:
+            mean = steady + np.tensordot(trapezoid(shares), self._loads.ramped, axes=1)
+            self._books.add(mean, self._tracers()[0] - before)
+        damping = self._scene.solid.damping * self._u[:, : self._free].T
+        return self._a.T + steady + np.tensordot(shares[-1], self._loads.ramped, axes=1) - damping
+
+    def _carry(self, time: float, dt: float) -> np.ndarray:
+        """Carry the particles to where the motion has them at `time` [s] and turn their stress, over one step."""
+        free, corrected = self._free, self._scene.solid.gradient == "linear"
+        place, velocity, acceleration = self._carried.at(time)
+        self._u[:, :free] = (place.T - self._x[:, :free]) / dt
+        self._x[:, :free] += 0.5 * dt * self._u[:, :free]
+        if moved_too_far(self._x, self._u, self._built, self._allowed, 0.0):
+            self._find_neighbours(self._x)
+        derivatives, correction, flux = self._sums
+        pairs, kernel = (self._first, self._neighbour), (self._kernel.code, self._h)
+        velocity_derivatives(self._x, self._u, self._volume, *pairs, *kernel, corrected, derivatives, correction)
+        material = self._mass, self._volume, self._rho, self._stress, self._curvature, self._offset
+        update_material(*material, derivatives, correction, flux, self._moduli(), dt)
+        self._x[:, :free], self._u[:, :free] = place.T, velocity.T
+        return acceleration
+
+    def _moduli(self) -> tuple[float, float, float, float]:
+        """G [Pa], c² = K/ρ0 [m²/s²], ρ0 [kg/m³], and E' [Pa] (0 with the gradient as printed: no curvature stress)."""
+        solid = self._scene.solid
+        lam, mu = lame(solid)
+        bending = solid.youngs_modulus / (1.0 - solid.poisson_ratio**2) if solid.gradient == "linear" else 0.0
+        return mu, (lam + 2.0 * mu / 3.0) / solid.density, solid.density, bending
+
+    def _kinetic(self, k: int) -> float:
+        own = self._bodies[k].own
+        return kinetic_energy(self._mass[own], self._u[:, own].T)
+
+    def _strain_energy(self, k: int) -> float:
+        """Energy [J/m] of a body's stresses, those at its fixed particles included."""
+        shear, c_squared, density, bending = self._moduli()
+        pressure = c_squared * (self._rho - density)
+        moduli = shear, c_squared * density, bending
+        return float(
+            stress_energy(self._stress, pressure, self._curvature, self._volume, moduli)[self._body == k].sum()
+        )
+
+    def _clamp_force(self, k: int) -> np.ndarray:
+        """Force (2,) [N/m] of the clamps on a body: forces between particles are equal and opposite."""
+        own = self._bodies[k].own
+        direct = self._loads.on_clamps(self._time, self._tracers()[0] - self._reference)
+        return self._a[:, own] @ self._mass[own] - direct[k]
+
+    def _gap(self, k: int) -> float:
+        own = self._bodies[k].own
+        place = self._x[:, own].T
+        return float(cKDTree(place).query(place, k=2)[0][:, 1].max() / self._bodies[k].spacing.min())
+
+    def _stress_fields(self) -> dict[str, np.ndarray]:
+        _, c_squared, density, _ = self._moduli()
+        pressure = c_squared * (self._rho[: self._free] - density)
+        xx, xy, yy, zz = self._stress[:, : self._free]
+        return stress_fields(xx - pressure, yy - pressure, zz - pressure, xy.copy())
 
     def _tracers(self) -> tuple[np.ndarray, np.ndarray]:
         """Position and velocity (free, 2) of the material tracers."""
@@ -209,13 +322,11 @@ class UpdatedLagrangian:
     def _take_steps(self, loads: tuple, substeps: int, dt: float) -> None:
         """Advance by all sub-steps, making neighbour lists and shifting in between as needed."""
         solid = self._scene.solid
-        lam, mu = lame(solid)
-        c_squared = (lam + 2.0 * mu / 3.0) / solid.density
-        viscosity = solid.alpha * self._h * math.sqrt(c_squared)
+        moduli = self._moduli()
+        viscosity = solid.alpha * self._h * math.sqrt(moduli[1])
         crowded = short_range(NEEDED) if solid.shifting else math.inf
         corrected = solid.gradient == "linear"
-        bending = solid.youngs_modulus / (1.0 - solid.poisson_ratio**2) if corrected else 0.0
-        numbers = dt, viscosity, (mu, c_squared, solid.density, bending), corrected
+        numbers = dt, viscosity, moduli, corrected
         material = self._mass, self._volume, self._rho, self._stress, self._curvature, self._offset
         sums, kernel = (*self._sums, self._crowding), (self._kernel.code, self._h)
         kick = damped_kick(solid.damping, 0.5 * dt)

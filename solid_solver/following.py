@@ -1,0 +1,79 @@
+"""Following tractions: they turn and stretch with the face that carries them, as a pressure does.
+
+With t0 the face's direction in the reference state (body on its left), n0 its outward normal, τ and σ the traction's
+parts along them, and t = t0 + ∂u/∂s the deformed face's tangent per reference length (not a unit vector), n its
+quarter turn clockwise, the force per reference length is τ t + σ n: the same traction per deformed length.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.sparse import csr_array
+
+from shared.geometry import faces
+from shared.schema import Load
+from solid_solver.bodies import LatticeBody
+from solid_solver.clamps import face_points
+
+
+@dataclass(frozen=True)
+class FollowingLoad:
+    """One following traction on a face of body number `body`.
+
+    `values`, `slopes` (m, n): weights that give the displacement of the face's m points, and its derivative along the
+    face; `tangent` (m, 2): t0; `along`, `outward` (m,): τ and σ times the length of each point [N/m]; `mass` [kg/m] of
+    a particle.
+    """
+
+    body: int
+    values: csr_array
+    slopes: csr_array
+    tangent: np.ndarray
+    along: np.ndarray
+    outward: np.ndarray
+    mass: float
+
+    def forces(self, displacement: np.ndarray) -> np.ndarray:
+        """Forces (m, 2) [N/m] on the face's points under a displacement (n, 2) [m] of the particles."""
+        t = self.tangent + self.slopes @ displacement
+        normal = np.stack([t[:, 1], -t[:, 0]], axis=1)
+        return self.along[:, None] * t + self.outward[:, None] * normal
+
+    def acceleration(self, displacement: np.ndarray) -> np.ndarray:
+        """Acceleration (n, 2) [m/s²] of the particles."""
+        return self.values.T @ self.forces(displacement) / self.mass
+
+    def on_clamps(self, displacement: np.ndarray) -> np.ndarray:
+        """Force (2,) [N/m] that goes to clamped faces directly."""
+        forces = self.forces(displacement)
+        return forces.sum(axis=0) - (self.values.T @ forces).sum(axis=0)
+
+
+def following_load(load: Load, number: int, body: LatticeBody, count: int, density: float) -> FollowingLoad:
+    """A `load` of the scene on `body`, which is number `number` of the solid with `count` particles in all."""
+    segments = faces(body.shape)[load.face]
+    points, lengths, tangents = [], [], []
+    for segment in segments:
+        at, length = face_points(segment[None], body.axes, body.spacing)
+        points.append(at)
+        lengths.append(length)
+        tangents.append(np.tile((segment[1] - segment[0]) / np.linalg.norm(segment[1] - segment[0]), (len(at), 1)))
+    points, lengths, tangent = map(np.concatenate, (points, lengths, tangents))
+    shape = (len(points), count)
+    row, column, weight = body.point_weights(points)
+    values = csr_array((weight, (row, column)), shape=shape)
+    row, column, weight = body.point_weights(points, tangent)
+    slopes = csr_array((weight, (row, column)), shape=shape)
+    outward = np.stack([tangent[:, 1], -tangent[:, 0]], axis=1)
+    traction = np.asarray(load.traction)
+    return FollowingLoad(
+        number,
+        values,
+        slopes,
+        tangent,
+        lengths * (tangent @ traction),
+        lengths * (outward @ traction),
+        density * body.cell,
+    )
