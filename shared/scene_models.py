@@ -22,7 +22,9 @@ SOLID_ONLY = ("strain-energy", "external-work", "dissipated", *MOMENTA, *REACTIO
 
 _BY_POINTS = ("displacement-x", "displacement-y", "kinetic-energy", "max-speed", *MOMENTA)
 _BY_LOADS = (*_BY_POINTS, "strain-energy", "external-work", "dissipated", *REACTIONS)
-_EXPRESSED = {"beam": (*_BY_LOADS, *STRESSES), "rigid": _BY_POINTS, "spring": _BY_LOADS}
+_MOTION = ("displacement-x", "displacement-y", "kinetic-energy", "max-speed", *MOMENTA)
+_BALANCE = ("strain-energy", "external-work", "dissipated", *REACTIONS)
+_EXPRESSED = {"rigid": _MOTION, "spring": (*_MOTION, *_BALANCE), "beam": (*_MOTION, *_BALANCE, *STRESSES)}
 """What models that are not made of particles can say; the others say everything."""
 
 _BY_FORCES = ("external-work", "dissipated", *REACTIONS)
@@ -126,7 +128,7 @@ def _starts(scene: Scene) -> Iterator[str]:
             yield f"{path}.spin: bodies of model rigid move by solid.motion"
 
 
-def _schedules(scene: Scene) -> Iterator[str]:
+def _following(scene: Scene) -> Iterator[str]:
     solid = scene.solid
     if solid is None or solid.model in (None, *PARTICLE_MODELS):
         return
@@ -158,5 +160,5 @@ def _unused(scene: Scene) -> Iterator[str]:
                 yield f"{wrong}; model beam wants {WANTED_SLENDER:g}"
 
 
-MODEL_CHECKS: tuple[Callable[[Scene], Iterator[str]], ...] = (_beams, _motion, _quantities, _starts, _schedules)
+MODEL_CHECKS: tuple[Callable[[Scene], Iterator[str]], ...] = (_beams, _motion, _quantities, _starts, _following)
 MODEL_WARNINGS: tuple[Callable[[Scene], Iterator[str]], ...] = (_unused,)
