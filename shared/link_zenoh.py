@@ -28,6 +28,7 @@ from shared.contract import ParticipantLost
 _CONNECT_TIMEOUT_S = 20.0
 _HEARTBEAT_PERIOD_S = 1.0
 _SILENT_AFTER_S = 15.0  # beyond zenoh's own lease of 10 s
+_FIRST_STEP_WITHIN_S = 900.0  # a first run compiles, on a busy machine for minutes
 _POLL_S = 0.2
 
 
@@ -85,7 +86,8 @@ class ZenohLink:
     """The coupler's end of the link to participant `name`.
 
     `alive()` raises ParticipantLost when the participant's process is known to be gone (the supervisor knows).
-    `stall_after` [s]: longest time without a new time step while a request is being worked on.
+    `stall_after` [s]: longest time without a new time step while a request is being worked on, once there has been
+    a first one.
     """
 
     def __init__(self, session: zenoh.Session, run: str, name: str, alive: Callable[[], None], stall_after: float):
@@ -143,7 +145,8 @@ class ZenohLink:
                     f"the {self.name} participant has sent no heartbeat for {now - self._beat[0]:.0f} s: "
                     "it is stopped, or its machine is out of reach"
                 )
-            if now - self._progress > self._stall_after:
+            stepping = self._beat[1] not in ("", "0")
+            if now - self._progress > (self._stall_after if stepping else _FIRST_STEP_WITHIN_S):
                 raise ParticipantLost(
                     f"the {self.name} participant is alive but has made no time step for "
                     f"{now - self._progress:.0f} s (coupling.stall_after = {self._stall_after:g} s)"

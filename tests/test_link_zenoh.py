@@ -104,6 +104,18 @@ def test_stalled_participant_is_named():
             heart.join()
 
 
+@pytest.mark.timeout(60)
+def test_first_step_may_compile_for_longer_than_a_stall():
+    with listening("run") as (session, _):
+        link = ZenohLink(session, "run", "fluid", alive, stall_after=0.3)
+        session.put("shearwater/run/fluid/heartbeat", "0")
+        link.send(b"question")
+        answer = threading.Timer(1.0, session.put, ("shearwater/run/fluid/reply", b"answer"))
+        answer.start()
+        assert link.receive() == b"answer"
+        answer.join()
+
+
 def test_no_coupler_at_the_endpoint(monkeypatch, toy_spring):
     monkeypatch.setattr(link_zenoh, "_CONNECT_TIMEOUT_S", 0.5)
     failures = []
