@@ -75,6 +75,9 @@ def domain_of(scene: Scene) -> np.ndarray:
     for wall in scene.walls:
         corners = np.asarray(wall.polyline, dtype=float)
         shifts = wall.motion.translation if wall.motion and wall.motion.translation else [(0.0, 0.0)]
+        if wall.motion and wall.motion.rotation:  # the square around the circle that its corners may run through
+            reach = np.hypot(*(corners - wall.motion.about).T).max()
+            corners = np.asarray(wall.motion.about) + reach * np.array([[-1.0, -1.0], [1.0, 1.0]])
         points.extend(corners + shift for shift in shifts)
     points = np.concatenate(points)
     lower, upper = points.min(axis=0), points.max(axis=0)
