@@ -10,6 +10,7 @@ import numpy as np
 from shared.contract import BadInput
 from shared.schema import Load, Scene, Solid
 from solid_solver.filled import FilledBody
+from solid_solver.loads import Schedule, schedule
 
 SHEAR_FACTOR = 5.0 / 6.0
 """κs of a rectangle (Cowper 1966, ν = 0): with it the shear share of A and B agrees with the closed form."""
@@ -128,16 +129,16 @@ def body_force(beam: Beam, acceleration: np.ndarray, density: float) -> tuple[np
 
 
 def beam_loads(scene: Scene, beam: Beam):
-    """Steady load, ramp times (g,) [s] and the loads that grow over them, (g, n + 1, 2) and (g, n, 4)."""
+    """Steady load, the schedules (g,) of others, and those loads: (g, n + 1, 2) and (g, n, 4)."""
     solid = scene.solid
-    by_ramp = {0.0: no_load(beam)}
+    by_schedule = {Schedule(): no_load(beam)}
     if solid.gravity:
-        by_ramp[0.0] = body_force(beam, np.asarray(scene.gravity), solid.density)
+        by_schedule[Schedule()] = body_force(beam, np.asarray(scene.gravity), solid.density)
     for load in (one for one in solid.loads if one.body == beam.body.shape.name):
-        so_far = by_ramp.get(load.ramp, no_load(beam))
-        by_ramp[load.ramp] = tuple(a + b for a, b in zip(so_far, _one_load(beam, load, solid.density), strict=True))
-    steady = by_ramp.pop(0.0)
-    ramps = np.array(sorted(by_ramp))
-    node = np.array([by_ramp[r][0] for r in ramps]).reshape(-1, *steady[0].shape)
-    couple = np.array([by_ramp[r][1] for r in ramps]).reshape(-1, *steady[1].shape)
-    return steady, ramps, (node, couple)
+        when, new = schedule(load), _one_load(beam, load, solid.density)
+        by_schedule[when] = tuple(a + b for a, b in zip(by_schedule.get(when, no_load(beam)), new, strict=True))
+    steady = by_schedule.pop(Schedule())
+    schedules = tuple(sorted(by_schedule))
+    node = np.array([by_schedule[s][0] for s in schedules]).reshape(-1, *steady[0].shape)
+    couple = np.array([by_schedule[s][1] for s in schedules]).reshape(-1, *steady[1].shape)
+    return steady, schedules, (node, couple)

@@ -9,7 +9,8 @@ D/2 (Δv·M Δv + Δε·C Δε), changes in each step by the work of loads on th
 D/2 (δ²v·M δ²v + δ²ε·C δ²ε): no step can blow up, however long. Second order; on a linear mode it is the two-step method
 of characteristic polynomials λ² − λ and λ(λ + 1)/2 + D (λ − 1)², which loses π D (ωΔt)³ of its amplitude per period.
 
-Symbols: `q`, `v` as there, `a` (n + 1, 3) the last step's Δv/Δt, `rate` (n, 3) the last step's Δε/Δt. A load is a pair:
+Symbols: `q`, `v` as there, `a` (n + 1, 3) the last step's Δv/Δt, `rate` (n, 3) the last step's Δε/Δt, `book` (3,) the
+work of the loads so far, and the clamps' force in the last step, M Δv/Δt + η M Δq/Δt less the loads. A load is a pair:
 forces at the nodes (n + 1, 2) and `couple` (n, 4) of the elements.
 """
 
@@ -97,10 +98,28 @@ def _assemble(q0, q1, v, a, strain0, rate, free, mass, h, stiffness, eta, dt, no
 
 
 @njit
+def _keep_book(q, q1, v, a, dt, mass, eta, node, couple, book):
+    """Add the loads' work over a step to book[0]; the clamps' mean force in it into book[1:]. `a`: the step's Δv/Δt."""
+    book[1:] = 0.0
+    for k in range(len(q)):
+        for i in range(2):
+            book[0] += node[k, i] * (q1[k, i] - q[k, i])
+            book[1 + i] += mass[k, i] * (a[k, i] + eta * (q1[k, i] - q[k, i]) / dt) - node[k, i]
+    for e in range(len(couple)):
+        for after in range(2):
+            at, sign = (q1, 1.0) if after else (q, -1.0)
+            theta, bulge = 0.5 * (at[e, 2] + at[e + 1, 2]), at[e, 2] - at[e + 1, 2]
+            x, y = couple[e, 0] + bulge * couple[e, 2], couple[e, 1] + bulge * couple[e, 3]
+            c, s = math.cos(theta), math.sin(theta)
+            fall = -s * s / (1.0 + c) if c > 0.0 else c - 1.0
+            book[0] += sign * (y * fall - x * s + bulge * couple[e, 3])
+
+
+@njit
 def _one_step(state, free, mass, h, stiffness, eta, dt, load, work):
-    """Advance q, v, a, rate by `dt` under a constant load; the number of Newton iterations, or 0 where they
+    """Advance q, v, a, rate, book by `dt` under a constant load; the number of Newton iterations, or 0 where they
     do not converge, or only to a beam torn or crushed."""
-    q, v, a, rate = state
+    q, v, a, rate, book = state
     node, couple = load
     q1, strain0, strain1, system = work
     strains(q, h, strain0)
@@ -131,7 +150,8 @@ def _one_step(state, free, mass, h, stiffness, eta, dt, load, work):
             gain = ((q1[k, i] - q[k, i]) / dt - v[k, i] + DISSIPATION * dt * a[k, i]) / (0.5 + DISSIPATION)
             v[k, i] += gain
             a[k, i] = gain / dt
-            q[k, i] = q1[k, i]
+    _keep_book(q, q1, v, a, dt, mass, eta, node, couple, book)
+    q[...] = q1
     strains(q, h, strain1)
     for e in range(len(rate)):
         if not max(abs(strain1[e, 0]), abs(strain1[e, 1])) < LARGEST_STRAIN:

@@ -2,14 +2,16 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
+from functools import partial
 
 import numpy as np
 
 from shared.contract import BadInput
 from shared.geometry import fill
 from shared.schema import Scene, SolidBody
+from solid_solver.loads import Schedule
 
 
 @dataclass(frozen=True)
@@ -48,25 +50,32 @@ def filled_bodies(scene: Scene) -> list[FilledBody]:
     return result
 
 
-def point_probes(
-    scene: Scene, displacement: Callable, energy: Callable, velocity: Callable
+def body_probes(
+    scene: Scene,
+    at_point: Mapping[str, Callable[[int, np.ndarray], Callable[[], float]]],
+    of_body: Mapping[str, Callable[[int], float]],
 ) -> dict[str, Callable[[], float]]:
-    """The probes of the solid, by name, as functions without arguments.
+    """The probes of the solid that a model can tell, by name, as functions without arguments.
 
-    `displacement(k, point)` gives a function that returns the displacement (2,) [m] of a material point of body k,
-    `energy(k)` the body's kinetic energy [J/m], `velocity(k)` its points' velocities (n, 2) [m/s].
+    By quantity: `at_point[quantity](k, point)` makes the function for a material point of body k,
+    `of_body[quantity](k)` is the value of body k.
     """
     number = {body.name: k for k, body in enumerate(scene.solid.bodies)}
     result: dict[str, Callable[[], float]] = {}
     for probe in scene.probes:
-        if probe.body not in number:
-            continue
-        k = number[probe.body]
-        if probe.quantity in ("displacement-x", "displacement-y"):
-            at, component = displacement(k, np.array(probe.point)), int(probe.quantity == "displacement-y")
-            result[probe.name] = lambda at=at, component=component: float(at()[component])
-        elif probe.quantity == "kinetic-energy":
-            result[probe.name] = lambda k=k: float(energy(k))
-        elif probe.quantity == "max-speed":
-            result[probe.name] = lambda k=k: float(np.sqrt(np.max(np.sum(velocity(k) ** 2, axis=1))))
+        k = number.get(probe.body)
+        if k is not None and probe.quantity in at_point:
+            result[probe.name] = at_point[probe.quantity](k, np.array(probe.point))
+        elif k is not None and probe.quantity in of_body:
+            result[probe.name] = partial(of_body[probe.quantity], k)
     return result
+
+
+def largest_speed(velocity: np.ndarray) -> float:
+    """Largest of the speeds [m/s] of points with `velocity` (n, 2)."""
+    return float(np.sqrt(np.max(np.sum(velocity**2, axis=1))))
+
+
+def share_table(schedules: Sequence[Schedule], times: np.ndarray) -> np.ndarray:
+    """Factors (m, g) of loads with `schedules` at `times` (m,) [s]."""
+    return np.array([s.shares(times) for s in schedules]).reshape(len(schedules), len(times)).T.copy()

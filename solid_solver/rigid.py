@@ -9,9 +9,9 @@ import numpy as np
 from shared.contract import Description, Exchange, Frame, Kinematics
 from shared.motion_table import MotionTable
 from shared.schema import Scene
-from solid_solver.filled import filled_bodies, point_probes
+from solid_solver.filled import body_probes, filled_bodies, largest_speed
 from solid_solver.interface import kinematics_over_window
-from solid_solver.rigid_points import describe_rigid, moved
+from solid_solver.rigid_points import describe_rigid, lattice_momenta, moved
 
 
 class Rigid:
@@ -24,7 +24,7 @@ class Rigid:
         self._bodies = filled_bodies(scene)
         self._reference = np.concatenate([body.position for body in self._bodies])
         self._table = MotionTable(scene.solid.motion) if scene.solid.motion else None
-        self._probes = point_probes(scene, self._displacement, self._kinetic, self._velocity)
+        self._probes = body_probes(scene, self._at_point(), self._of_body())
         self._steps = 0
         self._go_to(0.0)
 
@@ -80,8 +80,25 @@ class Rigid:
             return np.zeros((3, *points.shape))
         return moved(points - self._table.about, self._table.at(self._time))
 
-    def _displacement(self, k: int, point: np.ndarray):
-        return lambda: self._moved(point[None])[0, 0]
+    def _at_point(self):
+        return {
+            "displacement-x": lambda k, point: lambda: float(self._moved(point[None])[0, 0, 0]),
+            "displacement-y": lambda k, point: lambda: float(self._moved(point[None])[0, 0, 1]),
+        }
+
+    def _of_body(self):
+        def momenta(k):
+            body = self._bodies[k]
+            place = self._reference[body.own] + self._points[0][body.own]
+            return lattice_momenta(self._scene.solid.density * body.cell, place, self._velocity(k))
+
+        return {
+            "kinetic-energy": self._kinetic,
+            "momentum-x": lambda k: momenta(k)[0],
+            "momentum-y": lambda k: momenta(k)[1],
+            "angular-momentum": lambda k: momenta(k)[2],
+            "max-speed": lambda k: largest_speed(self._velocity(k)),
+        }
 
     def _kinetic(self, k: int) -> float:
         body = self._bodies[k]

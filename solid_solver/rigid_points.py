@@ -32,6 +32,12 @@ def moved(arm: np.ndarray, pose: np.ndarray) -> np.ndarray:
     )
 
 
+def lattice_momenta(mass: float, place: np.ndarray, velocity: np.ndarray) -> tuple[float, float, float]:
+    """Momentum along x and y [N s/m], and angular momentum about the origin [N s], of points of `mass` [kg/m] each."""
+    spin = np.sum(place[:, 0] * velocity[:, 1] - place[:, 1] * velocity[:, 0])
+    return (*(mass * velocity.sum(axis=0)).tolist(), float(mass * spin))
+
+
 def describe_rigid(scene: Scene, bodies: list[FilledBody], stable_step: float) -> Description:
     """The structure's description: the points of the particle lattice."""
     solid = scene.solid
