@@ -73,8 +73,8 @@ def _draw_reference(axes, reference: Reference, history, average_from: float, sc
         t, v = _within(reference_curve(reference), time[-1])
         axes.plot(t / second, v / factor, linewidth=1.0, marker="o", markersize=2.0, label=reference.name, **style)
         return
-    if reference.statistic == "period":
-        return  # a length of time has no place on these axes
+    if reference.statistic in ("period", "change"):
+        return  # a length of time and a share have no place on these axes
     label = f"{reference.name} ({reference.statistic.replace('_', ' of ')})"
     begin, end = reference.between or (average_from if reference.statistic == "mean" else 0.0, time[-1])
     if reference.statistic in ("t_min", "t_max"):

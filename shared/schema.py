@@ -428,7 +428,7 @@ class Probe(Table):
     )
 
 
-Statistic = Literal["mean", "min", "max", "final", "t_min", "t_max", "slope", "period"]
+Statistic = Literal["mean", "min", "max", "final", "t_min", "t_max", "slope", "period", "change"]
 
 
 class Reference(Table):
@@ -437,7 +437,7 @@ class Reference(Table):
     probe: Name = key(about="the probe compared")
     name: str = key(about="who says so")
     value: float | None = key(
-        None, about="reference value, in the probe's unit (t_min, t_max, period: s; slope: unit/s)"
+        None, about="reference value, in the probe's unit (t_min, t_max, period: s; slope: unit/s; change: none)"
     )
     curve: str | None = key(
         None, about="CSV of time [s] and value, path relative to the scene file or to the shipped cases"
@@ -447,7 +447,8 @@ class Reference(Table):
         "max",
         about=(
             "what is compared; mean is over output.average_from … end; period: mean time between crossings, all "
-            "the same way, of the middle between the largest and the smallest value"
+            "the same way, of the middle between the largest and the smallest value; change: last less first, over the "
+            "largest size"
         ),
     )
     between: Pair | None = key(

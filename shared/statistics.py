@@ -16,7 +16,7 @@ _TIME_ROUNDING = 1e-9  # of an interval's length, within which a history that en
 
 
 def statistic(name: str, time: np.ndarray, value: np.ndarray, between: Interval | None = None) -> float | None:
-    """One of mean, min, max, final, t_min, t_max, slope, period over `between` [s] (default: the whole history).
+    """One of mean, min, max, final, t_min, t_max, slope, period, change over `between` [s] (default: the whole history).
 
     mean is time-weighted (trapezoidal rule), slope that of the least-squares line through the points, t_min and t_max
     the first times of the extremes, period as in `_period`. None if the history does not cover the interval, or has no
@@ -89,6 +89,12 @@ def _period(time: np.ndarray, value: np.ndarray) -> float | None:
     return float((times[-1] - times[0]) / (len(times) - 1))
 
 
+def _change(time: np.ndarray, value: np.ndarray) -> float:
+    """Last value less the first, over the largest size."""
+    size = float(np.max(np.abs(value)))
+    return float(value[-1] - value[0]) / size if size > 0.0 else 0.0
+
+
 _STATISTICS = {
     "mean": _mean,
     "min": lambda time, value: float(value.min()),
@@ -98,4 +104,5 @@ _STATISTICS = {
     "t_max": lambda time, value: float(time[value.argmax()]),
     "slope": _slope,
     "period": _period,
+    "change": _change,
 }

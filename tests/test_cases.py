@@ -11,7 +11,21 @@ from shared.geometry import fill
 from shared.scene import load_scene, scene_warnings, shipped_cases
 from shared.scene_reference import MARKER, reference_file, render
 
-CASES = ("dam_break", "dam_break_plate", "hydrostatic_plate", "soft_plate", "still_tank", "udl_beam")
+CASES = (
+    "cantilever_gravity",
+    "dam_break",
+    "dam_break_plate",
+    "hydrostatic_plate",
+    "oscillating_plate",
+    "plate_step_load",
+    "prescribed_spin",
+    "soft_plate",
+    "spinning_square",
+    "still_tank",
+    "stretched_strip",
+    "udl_beam",
+    "udl_beam_dynamic",
+)
 
 
 def test_the_cases_are_these():
