@@ -24,7 +24,11 @@ _BY_POINTS = ("displacement-x", "displacement-y", "kinetic-energy", "max-speed",
 _BY_LOADS = (*_BY_POINTS, "strain-energy", "external-work", "dissipated", *REACTIONS)
 _MOTION = ("displacement-x", "displacement-y", "kinetic-energy", "max-speed", *MOMENTA)
 _BALANCE = ("strain-energy", "external-work", "dissipated", *REACTIONS)
-_EXPRESSED = {"rigid": _MOTION, "spring": (*_MOTION, *_BALANCE), "beam": (*_MOTION, *_BALANCE, *STRESSES)}
+_EXPRESSED = {
+    "rigid": _MOTION,
+    "spring": (*_MOTION, *_BALANCE),
+    "beam": (*_MOTION, *_BALANCE, *STRESSES, "spacing-max"),
+}
 """What models that are not made of particles can say; the others say everything."""
 
 _BY_FORCES = ("external-work", "dissipated", *REACTIONS)

@@ -16,7 +16,7 @@ _TIME_ROUNDING = 1e-9  # of an interval's length, within which a history that en
 
 
 def statistic(name: str, time: np.ndarray, value: np.ndarray, between: Interval | None = None) -> float | None:
-    """One of mean, min, max, final, t_min, t_max, slope, period, change over `between` [s] (default: the whole history).
+    """One of mean, min, max, final, t_min, t_max, slope, period, change over `between` [s] (default: all of it).
 
     mean is time-weighted (trapezoidal rule), slope that of the least-squares line through the points, t_min and t_max
     the first times of the extremes, period as in `_period`. None if the history does not cover the interval, or has no

@@ -15,6 +15,7 @@ from shared.contract import Description, Exchange, Frame, Kinematics, Loads, Sol
 from shared.schema import Scene
 from solid_solver.beam_geometry import first_period, make_beam
 from solid_solver.beam_motion import MovingBeam
+from solid_solver.bodies import nearest_gap
 from solid_solver.filled import body_probes, filled_bodies, largest_speed
 from solid_solver.interface import describe, kinematics_over_window
 
@@ -112,6 +113,10 @@ class BeamModel:
         kinetic, strain = np.sum([moving.energies() for moving in self._beams], axis=0)
         return float(kinetic), float(strain)
 
+    def _gap(self, k: int) -> float:
+        body = self._bodies[k]
+        return nearest_gap((self._reference + self._points[0])[body.own], body.spacing)
+
     def _moved(self) -> np.ndarray:
         return np.concatenate([moving.points() for moving in self._beams], axis=1)
 
@@ -146,5 +151,6 @@ class BeamModel:
             "angular-momentum": lambda k: beams[k].momenta()[2],
             "reaction-x": lambda k: float(beams[k].reaction()[0]),
             "reaction-y": lambda k: float(beams[k].reaction()[1]),
+            "spacing-max": lambda k: self._gap(k),
             "max-speed": lambda k: largest_speed(self._points[1][self._bodies[k].own]),
         }

@@ -87,10 +87,9 @@ class LatticeBody:
         return np.array(rows), np.array(columns), np.array(weights)
 
 
-def nearest_gap(body: LatticeBody, displacement: np.ndarray) -> float:
-    """Largest distance of a particle to its nearest one, over the smaller spacing, under `displacement` (n, 2) [m]."""
-    place = body.position + displacement[body.own]
-    return float(cKDTree(place).query(place, k=2)[0][:, 1].max() / body.spacing.min())
+def nearest_gap(place: np.ndarray, spacing: np.ndarray) -> float:
+    """Largest distance of a particle at `place` (n, 2) [m] to its nearest one, over the smaller `spacing` (2,)."""
+    return float(cKDTree(place).query(place, k=2)[0][:, 1].max() / spacing.min())
 
 
 def _lattice(particles: Particles) -> tuple[np.ndarray, ...]:

@@ -144,7 +144,7 @@ class TotalLagrangian:
             strain_energy=self._strain_energy,
             clamp_force=self._clamp_force,
             stress=self._stress_fields,
-            gap=lambda k: nearest_gap(self._bodies[k], u),
+            gap=lambda k: nearest_gap((self._position + u)[self._bodies[k].own], self._bodies[k].spacing),
             work=self._books.done,
             start=self._start,
         )

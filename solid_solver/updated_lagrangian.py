@@ -18,7 +18,7 @@ from scipy.spatial import cKDTree
 from shared.contract import Description, Exchange, Frame, Kinematics, Loads, SolverFailed
 from shared.kernels import kernel_named
 from shared.schema import Scene
-from solid_solver.bodies import lattice_bodies
+from solid_solver.bodies import lattice_bodies, nearest_gap
 from solid_solver.carried import Carried
 from solid_solver.clamps import fixed_particles
 from solid_solver.energies import WorkBook, stress_energy, trapezoid
@@ -287,8 +287,7 @@ class UpdatedLagrangian:
 
     def _gap(self, k: int) -> float:
         own = self._bodies[k].own
-        place = self._x[:, own].T
-        return float(cKDTree(place).query(place, k=2)[0][:, 1].max() / self._bodies[k].spacing.min())
+        return nearest_gap(self._x[:, own].T, self._bodies[k].spacing)
 
     def _stress_fields(self) -> dict[str, np.ndarray]:
         _, c_squared, density, _ = self._moduli()
