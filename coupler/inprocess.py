@@ -16,7 +16,7 @@ from shared.link import InProcessLink
 from shared.participant import Participant
 from shared.schema import Scene
 from shared.service import Service
-from shared.solo import own_probes
+from shared.sides import own_probes
 
 
 @contextlib.contextmanager

@@ -14,14 +14,15 @@ from coupler.ledger import Ledger
 from coupler.mapping import build_mapping
 from coupler.remote import Remote
 from coupler.schemes import serial_explicit
-from coupler.supervisor import solver_processes
+from coupler.supervisor import PACKAGES, solver_processes
 from coupler.window import alpha_rate, window_length
 from shared.clock import Clock
 from shared.contract import BadInput
 from shared.record import Record
 from shared.results import new_run_directory
 from shared.schema import Scene
-from shared.solo import probe_rows
+from shared.sides import probe_rows
+from shared.warm import fill_cache
 
 log = logging.getLogger("shearwater")
 
@@ -51,7 +52,8 @@ def run_coupled(
 
 
 def _sides(scene: Scene, threads: dict[str, int], link: str, run: str, run_dir: Path):
-    """The context that holds both participants as remotes."""
+    """The context that holds both participants as remotes, their compiled code ready."""
+    fill_cache(PACKAGES, run_dir / "case.toml", scene)
     if link == "inprocess":
         return inprocess_sides(scene, threads, run, run_dir)
     return solver_processes(run, run_dir, threads, scene.coupling.stall_after)

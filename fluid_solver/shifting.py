@@ -8,13 +8,13 @@ from __future__ import annotations
 import math
 
 from fluid_solver.surface import ISOLATED
-from shared.jit import njit
+from shared.jit import inline_njit
 
 FASTEST = 0.1  # of c0: the speed that the sound speed was chosen for
 LARGEST = 0.1  # of the largest speed: limit of |δu|; in bulk it is a tenth of that
 
 
-@njit
+@inline_njit
 def shift_velocity(cx, cy, near_x, near_y, div_r, u_max, c):
     """δu [m/s] from ∇C = (cx, cy) [1/m].
 

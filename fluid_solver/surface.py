@@ -4,13 +4,13 @@ from __future__ import annotations
 
 import math
 
-from shared.jit import njit
+from shared.jit import inline_njit
 
 SURFACE = 1.5  # ∇·r below which a particle is at the surface; 2 inside (Lee et al. 2008)
 ISOLATED = 1.0  # ∇·r below which a particle has too few neighbours to know a normal: splash
 
 
-@njit
+@inline_njit
 def surface_normal(cx, cy, div_r):
     """Outward unit normal of a particle at the free surface, −∇C/|∇C|; (0, 0) inside and in splashes."""
     size = math.sqrt(cx * cx + cy * cy)

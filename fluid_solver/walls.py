@@ -45,7 +45,7 @@ from fluid_solver.fields import (
     Y,
 )
 from fluid_solver.forces import pair_force
-from shared.jit import njit, parallel_njit
+from shared.jit import inline_njit, parallel_njit
 from shared.kernels import kernel_f, kernel_w
 
 _ROWS = (X, Y, U, V, M, VOL, PR2, P, RHO)
@@ -84,7 +84,7 @@ def make_ghost_velocity(kernel: int, viscous: bool):
     return ghost_velocity
 
 
-@njit
+@inline_njit
 def mirrored(S, a, total, u_sum, v_sum, sticky, pose):
     """Velocity of ghost `a` from the kernel sums of the fluid's."""
     nx, ny = pose[6], pose[7]
@@ -135,7 +135,7 @@ def make_ghosts(kernel: int, viscous: bool):
     return ghosts
 
 
-@njit
+@inline_njit
 def extrapolate(S, kernel, a, n, b, c):
     """Pressure of ghost `a` by eq. 14 from the `n` fluid candidates in `b`, and with it density and mass."""
     nearest = c.support * c.support

@@ -50,4 +50,6 @@ parallel_njit = numba.njit(parallel=True, **FLAGS)
 """Compile with the house flags and `prange`. Gather only: a result must not depend on the thread count."""
 
 inline_njit = numba.njit(inline="always", **{k: v for k, v in FLAGS.items() if k != "cache"})
-"""For pair terms: inlined into the sweep that calls them, so that the sweep vectorises."""
+"""For pair terms and every other callee with arithmetic: inlined into the sweep that calls it, so that the sweep
+vectorises, and so that a process that compiles runs the same instructions as one that loads from the cache (a callee
+with a symbol of its own is bound to another copy then, and copies differ in their rounding)."""

@@ -14,7 +14,9 @@ from shared.link_zenoh import serve
 from shared.participant import Participant
 from shared.scene import load_scene
 from shared.service import Service
-from shared.solo import Factory, own_probes, run_alone
+from shared.sides import own_probes
+from shared.solo import Factory, run_alone
+from shared.warm import take_a_tiny_step
 
 
 def solver_app(side: str, factory: Factory) -> typer.Typer:
@@ -33,6 +35,12 @@ def solver_app(side: str, factory: Factory) -> typer.Typer:
         scene = load_scene(case, sets or ())
         warn(scene)
         conclude(run_alone(scene, case_name(case), side, factory, out, threads, quiet), quiet)
+
+    @app.command("warm", hidden=True)
+    def warm(case: Case) -> None:
+        """Fill the cache of compiled code for a scene."""
+        scene = own_probes(load_scene(case), side)
+        take_a_tiny_step(factory(scene, True, 1), scene, side)
 
     @app.command("serve")
     def serve_coupler(

@@ -13,17 +13,17 @@ from __future__ import annotations
 
 from numba import prange
 
-from shared.jit import njit, parallel_njit
+from shared.jit import inline_njit, parallel_njit
 
 
-@njit
+@inline_njit
 def spin(gradient, dt):
     """Cosine and sine of the angle by which `gradient` (xx, xy, yx, yy) turns the material in `dt`, after Cayley."""
     half = 0.25 * dt * (gradient[2] - gradient[1])
     return (1.0 - half * half) / (1.0 + half * half), 2.0 * half / (1.0 + half * half)
 
 
-@njit
+@inline_njit
 def turned_stress(s, gradient, shear_modulus, dt):
     """S (xx, xy, yy, zz) after `dt` under a constant velocity gradient (xx, xy, yx, yy).
 
@@ -44,7 +44,7 @@ def turned_stress(s, gradient, shear_modulus, dt):
     )
 
 
-@njit
+@inline_njit
 def carried(offset, gradient, dt):
     """An `offset` (2,) from a particle to its material tracer after `dt`: advected by u_a + ∇u·offset (Cayley)."""
     a, b, c, d = 0.5 * dt * gradient[0], 0.5 * dt * gradient[1], 0.5 * dt * gradient[2], 0.5 * dt * gradient[3]

@@ -1,0 +1,81 @@
+"""Compiled code is made by a process of its own and only ever *run* from the cache.
+
+A process that compiles a kernel and one that loads it from the cache bind some of its inner calls to different copies,
+and copies differ in the last bit. So that the first run of a scene gives the same bytes as the second, a child process
+takes the model through one tiny step, which fills the cache; then the run begins.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import os
+import subprocess
+import sys
+from collections.abc import Mapping
+from pathlib import Path
+
+import numba
+import numpy as np
+
+from shared.contract import Kinematics, Loads, Model, ShearwaterError
+from shared.schema import Scene
+from shared.sides import own_probes
+
+_TINY_STEPS = 2
+_FLAGS = ("model", "kernel", "gradient", "shifting")  # keys that choose kernels by their value
+_PRESENCE = ("viscosity", "alpha", "damping", "loads", "spring", "motion")  # keys that choose them by being there
+
+
+def stamp(scene: Scene, side: str) -> Path:
+    """File that says that the kernels of this side of such a scene are in the cache."""
+    part = getattr(scene, side)
+    choice = [side, *(getattr(part, key, None) for key in _FLAGS), *(bool(getattr(part, k, 0)) for k in _PRESENCE)]
+    choice += sorted({(wall.slip, wall.motion is not None) for wall in scene.walls})
+    choice += sorted({probe.quantity for probe in own_probes(scene, side).probes})
+    name = hashlib.sha256(repr(choice).encode()).hexdigest()[:16]
+    return Path(numba.config.CACHE_DIR) / f"warm-{side}-{name}"
+
+
+def fill_cache(packages: Mapping[str, str], case: Path, scene: Scene) -> None:
+    """Compile what is missing for each side's package, in child processes side by side; `case` is the scene's file.
+
+    A child that fails says nothing here: the run itself will meet the same error and report it.
+    """
+    missing = [package for side, package in packages.items() if not stamp(scene, side).exists()]
+    children = [
+        subprocess.Popen(
+            [sys.executable, "-m", package, "warm", str(case)],
+            stdin=subprocess.DEVNULL,
+            stdout=subprocess.DEVNULL,
+            stderr=subprocess.DEVNULL,
+        )
+        for package in missing
+    ]
+    try:
+        for child in children:
+            child.wait()
+    finally:
+        for child in children:
+            child.kill()
+            child.wait()
+
+
+def take_a_tiny_step(model: Model, scene: Scene, side: str) -> None:
+    """Call everything that a run calls of `model`, then leave the stamp."""
+    try:
+        places = model.describe().position
+        fluid = model.role == "fluid"
+        boundary = Kinematics.at_rest(places) if fluid else Loads.zero(len(places))
+        model.begin(boundary if fluid else None)
+        step = 1e-3 * model.stable_step()
+        for window in range(2):
+            model.advance(window * step, (window + 1) * step, _TINY_STEPS, boundary)
+        model.check()
+        model.probe_values()
+        model.frame()
+        model.restore({name: np.copy(array) for name, array in model.state().items()})
+    except ShearwaterError:
+        return
+    place = stamp(scene, side)
+    place.parent.mkdir(parents=True, exist_ok=True)
+    place.write_text(f"{os.getpid()}\n")
