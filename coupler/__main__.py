@@ -1,5 +1,15 @@
-"""`python -m coupler`: the same as `coupler`."""
+"""`python -m coupler`, and the command `coupler`."""
 
-from coupler.cli import main
+from shared.start import end_quietly_while_loading
 
-main()
+
+def main() -> None:
+    """Entry point."""
+    end_quietly_while_loading()
+    from coupler.cli import main as run  # loads for a second or two
+
+    run()
+
+
+if __name__ == "__main__":
+    main()

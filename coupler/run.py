@@ -38,7 +38,8 @@ def run_coupled(
         if getattr(scene, side) is None:
             other = "solid" if side == "fluid" else "fluid"
             raise BadInput(
-                f"scene {case!r} has no [{side}] table, so there is nothing to couple: run `{other}-solver run {case}`"
+                f"scene {case!r} has no [{side}] table, so there is nothing to couple: run it with {other}-solver, "
+                "or add the table"
             )
     run_dir = new_run_directory(out, case)
     run = uuid.uuid4().hex[:12]

@@ -1,5 +1,15 @@
-"""`python -m fluid_solver`: the same as `fluid-solver`."""
+"""`python -m fluid_solver`, and the command `fluid-solver`."""
 
-from fluid_solver.cli import main
+from shared.start import end_quietly_while_loading
 
-main()
+
+def main() -> None:
+    """Entry point."""
+    end_quietly_while_loading()
+    from fluid_solver.cli import main as run  # loads for a second or two
+
+    run()
+
+
+if __name__ == "__main__":
+    main()

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import logging
 import os
-import signal
 import sys
 from pathlib import Path
 from typing import Annotated
@@ -17,8 +16,7 @@ from shared.contract import ShearwaterError
 from shared.record import Record
 from shared.scene import scene_warnings
 from shared.schema import Scene
-
-INTERRUPTED = 130
+from shared.start import INTERRUPTED, on_stop_signals
 
 Case = Annotated[str, typer.Argument(help="A scene file, or the name of a shipped case.", show_default=False)]
 Out = Annotated[Path | None, typer.Option(help="Run directory to make; default runs/CASE.", show_default=False)]
@@ -36,7 +34,7 @@ def new_app(about: str) -> typer.Typer:
 def run_app(app: typer.Typer) -> None:
     """Run the command line and exit: 0 finished, 2 bad input, 3 solver failed, 4 participant lost, 130 interrupted."""
     logging.getLogger("shearwater").addHandler(logging.NullHandler())
-    signal.signal(signal.SIGTERM, _interrupt)
+    on_stop_signals(_interrupt)
     try:
         app()
         code = 0

@@ -153,6 +153,18 @@ class ZenohLink:
                 )
 
 
+def end_with(parent: int | None) -> None:
+    """End this process at once, whatever it is doing, when process `parent`, which started it, has ended."""
+
+    def watch() -> None:
+        while os.getppid() == parent:
+            time.sleep(_HEARTBEAT_PERIOD_S)
+        os._exit(ParticipantLost.exit_code)
+
+    if parent is not None:
+        threading.Thread(target=watch, daemon=True).start()
+
+
 def serve(
     endpoint: str,
     run: str,
@@ -160,11 +172,10 @@ def serve(
     handle: Callable[[bytes], bytes],
     finished: Callable[[], bool],
     steps: Callable[[], int],
-    parent: int | None = None,
 ) -> None:
     """Answer the coupler's requests until `finished()`; raises ParticipantLost when the coupler is gone.
 
-    `steps()` is sent as heartbeat. If process `parent` ends, this process ends at once, whatever it is doing.
+    `steps()` is sent as heartbeat.
     """
     inbox: queue.Queue[bytes | None] = queue.Queue()
     try:
@@ -187,8 +198,6 @@ def serve(
 
         def beat() -> None:
             while not stop.wait(_HEARTBEAT_PERIOD_S):
-                if parent is not None and os.getppid() != parent:
-                    os._exit(ParticipantLost.exit_code)
                 with contextlib.suppress(zenoh.ZError):
                     heart.put(str(steps()))
 

@@ -10,7 +10,7 @@ from typing import Annotated
 import typer
 
 from shared.commands import Case, Out, Quiet, Sets, case_name, conclude, default_threads, new_app, warn
-from shared.link_zenoh import serve
+from shared.link_zenoh import end_with, serve
 from shared.participant import Participant
 from shared.scene import load_scene
 from shared.service import Service
@@ -52,6 +52,7 @@ def solver_app(side: str, factory: Factory) -> typer.Typer:
         parent: Annotated[int | None, typer.Option(help="End when this process ends.")] = None,
     ) -> None:
         """Be the participant of a coupled run."""
+        end_with(parent)
         logging.basicConfig(stream=sys.stderr, level=logging.INFO, format="%(asctime)s %(levelname)s %(message)s")
         scene = own_probes(load_scene(case), side)
         participant = Participant(factory(scene, True, threads), side, out)
@@ -64,7 +65,6 @@ def solver_app(side: str, factory: Factory) -> typer.Typer:
                 service.handle,
                 lambda: participant.finished,
                 participant.model.steps,
-                parent,
             )
         finally:
             participant.close()
