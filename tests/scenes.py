@@ -27,9 +27,9 @@ polyline = [[0.1, -0.012], [0.1, 0.12]]
 model = "{solid}"
 dx = {solid_dx}
 density = 1200.0
-youngs_modulus = 1.0e6
+youngs_modulus = 1.0e8
 poisson_ratio = 0.3
-damping = 50.0
+damping = 500.0
 bodies = [{{ name = "plate", rectangle = [0.0, -0.012, 0.1, 0.0] }}]
 clamps = [{{ body = "plate", face = "left" }}, {{ body = "plate", face = "right" }}]
 
@@ -51,6 +51,7 @@ quantity = "force-y"
 
 [output]
 frames = 5
+average_from = {average_from}
 """
 
 
@@ -64,5 +65,9 @@ def tiny_coupled(
 ) -> Path:
     """A coupled scene of 375 fluid particles, written to `folder`; a few seconds a simulated 0.1 s."""
     path = folder / "tiny.toml"
-    path.write_text(TINY_COUPLED.format(end_time=end_time, fluid=fluid, solid=solid, solid_dx=solid_dx))
+    path.write_text(
+        TINY_COUPLED.format(
+            end_time=end_time, average_from=0.25 * end_time, fluid=fluid, solid=solid, solid_dx=solid_dx
+        )
+    )
     return path
