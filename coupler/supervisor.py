@@ -72,11 +72,6 @@ def _command(name: str, endpoint: str, run: str, run_dir: Path, threads: int) ->
     ]
 
 
-def _environment(threads: int) -> dict[str, str]:
-    """An idle side must not spin: waiting OpenMP threads sleep after a short spin."""
-    return {**os.environ, "OMP_NUM_THREADS": str(threads), "GOMP_SPINCOUNT": "20000"}
-
-
 @contextlib.contextmanager
 def solver_processes(
     run: str, run_dir: Path, threads: dict[str, int], stall_after: float
@@ -95,7 +90,6 @@ def solver_processes(
                 stdin=subprocess.DEVNULL,
                 stdout=output,
                 stderr=subprocess.STDOUT,
-                env=_environment(threads[name]),
                 start_new_session=True,
             )
             solver = Solver(name, process, log)

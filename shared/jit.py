@@ -40,7 +40,9 @@ def _cache_folder() -> str:
 
 if "NUMBA_CACHE_DIR" not in os.environ:
     numba.config.CACHE_DIR = _cache_folder()
-# OpenMP first: its pool is shared by all kernels and sleeps when idle (OMP_WAIT_POLICY, set by the launcher).
+# OpenMP first. Threads that wait must sleep: on a busy machine two that spin are slower than one, up to 50 times, and
+# an idle side of a coupled run would take a core from the other. Read when OpenMP is loaded, at the first parallel loop.
+os.environ.setdefault("OMP_WAIT_POLICY", "PASSIVE")
 numba.config.THREADING_LAYER_PRIORITY = ["omp", "tbb", "workqueue"]
 
 njit = numba.njit(**FLAGS)
