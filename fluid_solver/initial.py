@@ -19,6 +19,7 @@ from shared.geometry import contains, distance_to, fill, ghosts, outline, wall_p
 from shared.schema import Body, Scene, Wall
 
 MACH = 0.1  # largest expected speed over the automatic sound speed: density varies by 1 %
+CLEAR = 0.25  # of dx: fluid laid nearer to a face is moved off it; on the face it would start at the wrong pressure
 OWNED = 0.25  # of dx: wall particles this close to a solid body are the body's
 
 
@@ -73,13 +74,14 @@ def sound_speed(scene: Scene) -> float:
 def fluid_particles(scene: Scene, c0: float) -> FluidParticles:
     """All fluid bodies at t = 0."""
     fluid = scene.fluid
+    faces = wetted_faces(scene)
     parts = []
     for index, body in enumerate(fluid.bodies):
         lattice = fill(body, fluid.dx)
         n = len(lattice.position)
         if n == 0:
             raise BadInput(f"fluid body {body.name!r} holds no particle at fluid.dx = {fluid.dx:g} m: make dx smaller.")
-        position, pressure = lattice.position, np.zeros(n)
+        position, pressure = off_faces(lattice.position, faces, CLEAR * fluid.dx), np.zeros(n)
         if fluid.initial_pressure == "hydrostatic":
             position, pressure = settle(body, position, np.asarray(scene.gravity), c0, fluid.density)
         parts.append(
@@ -93,6 +95,30 @@ def fluid_particles(scene: Scene, c0: float) -> FluidParticles:
             )
         )
     return FluidParticles(*(np.concatenate(column) for column in zip(*parts, strict=True)))
+
+
+def wetted_faces(scene: Scene) -> np.ndarray:
+    """Faces of all walls and solid bodies as segments (k, 2, 2) [m] with the fluid on the left of start → end."""
+    chains = [np.array([*w.polyline, w.polyline[0]] if w.closed else w.polyline, dtype=float) for w in scene.walls]
+    walls = [np.stack([corners[:-1], corners[1:]], axis=1) for corners in chains]
+    bodies = [outline(body)[:, ::-1] for body in (scene.solid.bodies if scene.solid else [])]
+    return np.concatenate([*walls, *bodies, np.empty((0, 2, 2))])
+
+
+def off_faces(position: np.ndarray, faces: np.ndarray, clearance: float) -> np.ndarray:
+    """`position` (n, 2) with the points nearer than `clearance` [m] to a face moved to that distance before it.
+
+    Faces along the lattice stand half a spacing off; a slanted face cuts the lattice anywhere.
+    """
+    position = position.copy()
+    for start, end in faces:
+        length = math.hypot(*(end - start))
+        along = (end - start) / length
+        normal = np.array([-along[1], along[0]])
+        s, d = (position - start) @ along, (position - start) @ normal
+        near = (np.abs(d) < clearance) & (s > 0.0) & (s < length)
+        position[near] += (clearance - d[near])[:, None] * normal
+    return position
 
 
 def settle(body: Body, position: np.ndarray, gravity: np.ndarray, c0: float, rho0: float):
