@@ -13,7 +13,7 @@ import numba
 import numpy as np
 
 from fluid_solver import diagnosis
-from fluid_solver.fields import FLUID, FREE_SLIP, FRICTION, GX, GY, PR2, RHO, ROWS, VOL, M, P, U, V, X, Y
+from fluid_solver.fields import FLUID, FREE_SLIP, FRICTION, GX, GY, PARKED, PR2, RHO, ROWS, VOL, M, P, U, V, X, Y
 from fluid_solver.forces import make_forces
 from fluid_solver.initial import fluid_particles, lay_ghosts, sound_speed
 from fluid_solver.integrate import advance_and_drift, kick, kick_and_drift, largest
@@ -224,8 +224,10 @@ class ParticleFluid:
         return self._observer.values(self.store, self.force)
 
     def frame(self) -> Frame:
-        """All fluid particles in their first order: velocity, pressure, density."""
-        x, y, u, v, p, rho = self.store.in_order_of_ids([X, Y, U, V, P, RHO], 0, self.fluid_count)
+        """All fluid particles inside the domain, in their first order: velocity, pressure, density."""
+        inside = np.ones(self.fluid_count, dtype=bool)
+        inside[self.store.ids[self.store.kind == PARKED]] = False
+        x, y, u, v, p, rho = self.store.in_order_of_ids([X, Y, U, V, P, RHO], 0, self.fluid_count)[:, inside]
         return Frame(np.c_[x, y], {"velocity": np.c_[u, v], "pressure": p, "density": rho})
 
     def particles(self) -> int:

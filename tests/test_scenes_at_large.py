@@ -10,8 +10,9 @@ import pytest
 
 from coupler.run import run_coupled
 from fluid_solver.models import make_model
+from shared.geometry import fill
 from shared.scene import load_scene
-from shared.schema import Scene
+from shared.schema import Domain, Scene
 from shared.solo import run_alone
 from shared.vtkhdf import read_frame
 
@@ -276,6 +277,25 @@ def test_resolutions_three_times_apart_either_way(tmp_path, fluid_dx, solid_dx):
     assert probes["weight"]["mean"] == pytest.approx(-1000.0 * G * 0.09 * (0.078 + 0.048), rel=0.05)
     assert probes["leaked"]["max"] == 0.0
     assert result["ledger"]["mapping_error"] < 1e-12
+
+
+def test_water_that_left_the_domain_is_not_shown(tmp_path):
+    """Half of a drop has fallen out of the domain: it is counted as leaked and in no frame."""
+    scene = written(tmp_path, DROP_ON_A_BEAM)
+    changes = {
+        "solid": None,
+        "end_time": 0.04,
+        "domain": Domain(lower=(-0.1, 0.0), upper=(0.1, 0.2)),
+        "probes": [probe for probe in scene.probes if probe.name == "leaked"],
+    }
+    scene = scene.model_copy(update=changes)
+    run_alone(scene, "mine", "fluid", make_model, tmp_path / "run", 1, quiet=True)
+    leaked = json.loads((tmp_path / "run" / "result.json").read_text())["probes"]["leaked"]["final"]
+    _, frame = read_frame(tmp_path / "run" / "fluid.vtkhdf")
+    count = len(fill(scene.fluid.bodies[0], scene.fluid.dx).position)
+    assert 0.3 * count < leaked < 0.9 * count
+    assert len(frame.position) == count - leaked
+    assert frame.position[:, 1].min() > 0.0
 
 
 def test_slanted_walls_hold_still_water(tmp_path):
