@@ -331,9 +331,9 @@ class Solid(Table):
     )
     kernel: KernelName = key("wendland-c2", about="smoothing kernel")
     h_over_dx: float = key(1.3, unit="-", about="smoothing length over spacing", ge=0.8, le=3.0)
-    gradient: Literal["printed", "linear"] = key(
+    gradient: Literal["printed", "linear", "quadratic"] = key(
         "linear",
-        about="velocity gradient of model ctvf: as printed, or corrected to be exact for linear fields",
+        about="velocity gradient of model ctvf: as printed, or corrected to be exact for linear or quadratic fields",
     )
     shifting: bool = key(
         True, about="particle shifting of model ctvf; without it stretched bodies fracture numerically"

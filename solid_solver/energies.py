@@ -32,15 +32,21 @@ def _quadratic(strain: np.ndarray, lam: float, mu: float) -> np.ndarray:
 def stress_energy(
     stress: np.ndarray, pressure: np.ndarray, curvature: np.ndarray, volume: np.ndarray, moduli: tuple
 ) -> np.ndarray:
-    """Energy (n,) [J/m] of the updated-Lagrangian solid's particles: V [S:S/4G + p²/2K + Q²/2E'(V/12)].
+    """Energy (n,) [J/m] of the updated-Lagrangian solid's particles: V [S:S/4G + p²/2K + Q²/2E'(V/12)], or with Z_k in
+    place of Q, Σ_k Z_k:C⁻¹:Z_k/2(V/12).
 
-    `stress` (4, n): S as xx, xy, yy, zz; `curvature` (2, n): Q; `moduli`: G, K and E' [Pa] (E' = 0: no Q).
+    `stress` (4, n): S as xx, xy, yy, zz; `curvature`: Q (2, n), or xx, xy, yy of Z_0 and Z_1 (6, n); `moduli`: G, K and
+    E' [Pa] (E' = 0: no Q).
     """
     shear, bulk, bending = moduli
     xx, xy, yy, zz = stress
     density = (xx**2 + yy**2 + zz**2 + 2.0 * xy**2) / (4.0 * shear) + pressure**2 / (2.0 * bulk)
-    if bending:
-        density += np.sum(curvature**2, axis=0) * 6.0 / (bending * volume)
+    if len(curvature) == 2:
+        return volume * (density + (np.sum(curvature**2, axis=0) * 6.0 / (bending * volume) if bending else 0.0))
+    nu = (3.0 * bulk - 2.0 * shear) / (6.0 * bulk + 2.0 * shear)
+    for xx, xy, yy in (curvature[:3], curvature[3:]):
+        varying = (1.0 - nu) * (xx**2 + yy**2) - 2.0 * nu * xx * yy + 2.0 * xy**2
+        density += varying / (4.0 * shear) * 12.0 / volume
     return volume * density
 
 

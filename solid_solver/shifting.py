@@ -94,8 +94,8 @@ def shift(x, u, material, correction, spacing, free, first, neighbour, code, h) 
     """
     mass, volume, rho, stress, curvature, offset = material
     delta = np.zeros((2, free))
-    fields = np.empty((9, len(rho)))
-    change = np.empty((9, free))
+    fields = np.empty((7 + len(curvature), len(rho)))
+    change = np.empty((7 + len(curvature), free))
     for _ in range(ITERATIONS):
         shifts(x, volume, spacing, free, first, neighbour, code, h, delta)
         fields[:2], fields[2], fields[3:7], fields[7:] = u, rho, stress, curvature

@@ -20,7 +20,7 @@ from shared.kernels import kernel_named
 from shared.schema import Scene
 from solid_solver.bodies import lattice_bodies, nearest_gap
 from solid_solver.carried import Carried
-from solid_solver.clamps import fixed_particles
+from solid_solver.clamps import FACE_POINT_WEIGHT, fixed_particles
 from solid_solver.energies import WorkBook, stress_energy, trapezoid
 from solid_solver.initial import prestrain, start_velocity, stretched
 from solid_solver.interface import damped_kick, describe, kinematics_over_window, lame, wave_speed
@@ -29,6 +29,7 @@ from solid_solver.probes import Observed, kinetic_energy, solid_probes, wants_wo
 from solid_solver.shifting import NEEDED, shift, short_range
 from solid_solver.stresses import stress_fields
 from solid_solver.updated_material import update_material
+from solid_solver.updated_quadratic import TERMS, chunks
 from solid_solver.updated_sweeps import (
     extreme_density,
     moved_too_far,
@@ -37,8 +38,12 @@ from solid_solver.updated_sweeps import (
     velocity_derivatives,
 )
 
-COURANT = 0.7
-"""Default step over dx/c_p: 1.0 still runs the clamped beam at α = 1 and ν = 0 … 0.4."""
+ORDERS = {"printed": 0, "linear": 1, "quadratic": 2}
+"""Polynomials whose gradient is exact, by `solid.gradient`."""
+
+COURANT = (0.7, 0.7, 0.45)
+"""Default step over dx/c_p by the gradient's order. With the linear one 1.0 still runs the clamped beam at α = 1 and
+ν = 0 … 0.4; with the quadratic, whose second derivatives are stiffer, 0.5 a strip at ν = 0 … 0.49 and 0.6 does not."""
 
 SKIN = 0.6
 """Width of the neighbour list's skin over the spacing: half of it may be walked before the list is made anew."""
@@ -65,8 +70,10 @@ class UpdatedLagrangian:
         self._kernel = kernel_named(solid.kernel)
         self._reference = np.concatenate([b.position for b in self._bodies])
         self._free = len(self._reference)
-        beyond = 0.0 if solid.gradient == "linear" else self._kernel.support * solid.h_over_dx
-        fixed = [fixed_particles(b, solid.clamps, beyond) for b in self._bodies]
+        self._order = ORDERS[solid.gradient]
+        beyond = 0.0 if self._order else self._kernel.support * solid.h_over_dx
+        share = FACE_POINT_WEIGHT if self._order == 2 else 1.0
+        fixed = [fixed_particles(b, solid.clamps, beyond, share) for b in self._bodies]
         sizes = [len(b.position) for b in self._bodies]
         self._body = np.repeat(np.tile(np.arange(len(sizes)), 2), [*sizes, *(len(p) for p, _ in fixed)])
         self._spacing = np.array([b.spacing.min() for b in self._bodies])[self._body]
@@ -80,9 +87,11 @@ class UpdatedLagrangian:
         self._u, self._a = np.zeros((2, count)), np.zeros((2, self._free))
         self._volume = self._mass / solid.density
         self._rho, self._stress = np.full(count, solid.density), np.zeros((4, count))
-        self._curvature = np.zeros((2, count))
+        self._curvature = np.zeros((6 if self._order == 2 else 2, count))
         self._offset = np.zeros((2, count))
-        self._sums = np.zeros((6, count)), np.zeros((7, count)), np.zeros((6, count))  # derivatives, correction, flux
+        self._sums = np.zeros((10, count)), np.zeros((7, count)), np.zeros((10, count))  # derivatives, correction, flux
+        fitted = count if self._order == 2 else 0
+        self._fits = np.zeros((TERMS * TERMS, fitted)), np.zeros((chunks(fitted), TERMS, 2 * TERMS))
         self._crowding, self._nearest = np.zeros(self._free), np.zeros(self._free)
         self._loads = scheduled_loads(scene, self._bodies)
         self._ramped = np.ascontiguousarray(self._loads.ramped.transpose(0, 2, 1))
@@ -108,7 +117,7 @@ class UpdatedLagrangian:
 
     def stable_step(self) -> float:
         solid = self._scene.solid
-        courant = COURANT if solid.courant == "auto" else solid.courant
+        courant = COURANT[self._order] if solid.courant == "auto" else solid.courant
         closest = min(1.0, float(self._nearest.min())) * float(self._spacing[: self._free].min())
         return courant * closest / wave_speed(solid)
 
@@ -245,7 +254,7 @@ class UpdatedLagrangian:
 
     def _carry(self, time: float, dt: float) -> np.ndarray:
         """Carry the particles to where the motion has them at `time` [s] and turn their stress, over one step."""
-        free, corrected = self._free, self._scene.solid.gradient == "linear"
+        free = self._free
         place, velocity, acceleration = self._carried.at(time)
         self._u[:, :free] = (place.T - self._x[:, :free]) / dt
         self._x[:, :free] += 0.5 * dt * self._u[:, :free]
@@ -253,7 +262,7 @@ class UpdatedLagrangian:
             self._find_neighbours(self._x)
         derivatives, correction, flux = self._sums
         pairs, kernel = (self._first, self._neighbour), (self._kernel.code, self._h)
-        velocity_derivatives(self._x, self._u, self._volume, *pairs, *kernel, corrected, derivatives, correction)
+        velocity_derivatives(self._x, self._u, self._volume, *pairs, *kernel, self._order > 0, derivatives, correction)
         material = self._mass, self._volume, self._rho, self._stress, self._curvature, self._offset
         update_material(*material, derivatives, correction, flux, self._moduli(), dt)
         self._x[:, :free], self._u[:, :free] = place.T, velocity.T
@@ -263,7 +272,8 @@ class UpdatedLagrangian:
         """G [Pa], c² = K/ρ0 [m²/s²], ρ0 [kg/m³], and E' [Pa] (0 with the gradient as printed: no curvature stress)."""
         solid = self._scene.solid
         lam, mu = lame(solid)
-        bending = solid.youngs_modulus / (1.0 - solid.poisson_ratio**2) if solid.gradient == "linear" else 0.0
+        nu = solid.poisson_ratio
+        bending = solid.youngs_modulus / (1.0 - nu**2) if self._order == 1 else 0.0
         return mu, (lam + 2.0 * mu / 3.0) / solid.density, solid.density, bending
 
     def _kinetic(self, k: int) -> float:
@@ -271,13 +281,13 @@ class UpdatedLagrangian:
         return kinetic_energy(self._mass[own], self._u[:, own].T)
 
     def _strain_energy(self, k: int) -> float:
-        """Energy [J/m] of a body's stresses, those at its fixed particles included."""
+        """Energy [J/m] of a body's stresses, those at its fixed particles included where they act."""
         shear, c_squared, density, bending = self._moduli()
         pressure = c_squared * (self._rho - density)
         moduli = shear, c_squared * density, bending
-        return float(
-            stress_energy(self._stress, pressure, self._curvature, self._volume, moduli)[self._body == k].sum()
-        )
+        energy = stress_energy(self._stress, pressure, self._curvature, self._volume, moduli)
+        acting = self._free if self._order == 2 else len(energy)
+        return float(energy[:acting][self._body[:acting] == k].sum())
 
     def _clamp_force(self, k: int) -> np.ndarray:
         """Force (2,) [N/m] of the clamps on a body: forces between particles are equal and opposite."""
@@ -324,10 +334,9 @@ class UpdatedLagrangian:
         moduli = self._moduli()
         viscosity = solid.alpha * self._h * math.sqrt(moduli[1])
         crowded = short_range(NEEDED) if solid.shifting else math.inf
-        corrected = solid.gradient == "linear"
-        numbers = dt, viscosity, moduli, corrected
+        numbers = dt, viscosity, moduli, self._order
         material = self._mass, self._volume, self._rho, self._stress, self._curvature, self._offset
-        sums, kernel = (*self._sums, self._crowding), (self._kernel.code, self._h)
+        sums, kernel = (*self._sums, self._crowding, *self._fits), (self._kernel.code, self._h)
         kick = damped_kick(solid.damping, 0.5 * dt)
         done = 0
         while done < substeps:
@@ -337,4 +346,7 @@ class UpdatedLagrangian:
             counters = *numbers, done, self._spacing, crowded
             done, due = steps((self._x, self._u, self._a), material, sums, pairs, kernel, loads, kick, counters)
             if due:
+                if self._order == 2:  # what is carried along needs the linear correction
+                    pairs_now = self._x, self._u, self._volume, *pairs[:2], *kernel, True
+                    velocity_derivatives(*pairs_now, np.empty_like(self._sums[0]), self._sums[1])
                 shift(self._x, self._u, material, self._sums[1], self._spacing, self._free, *pairs[:2], *kernel)

@@ -71,10 +71,12 @@ def update_material(mass, volume, rho, stress, curvature, offset, derivatives, c
         stress[0, a], stress[1, a], stress[2, a], stress[3, a] = s
         offset[0, a], offset[1, a] = carried((offset[0, a], offset[1, a]), grad, dt)
         cosine, sine = spin(grad, dt)
-        gain = bending * volume[a] / 12.0 * dt
-        q0 = cosine * curvature[0, a] - sine * curvature[1, a] + gain * derivatives[4, a]
-        q1 = sine * curvature[0, a] + cosine * curvature[1, a] + gain * derivatives[5, a]
-        curvature[0, a], curvature[1, a] = q0, q1
+        q0 = q1 = 0.0
+        if bending > 0.0:
+            gain = bending * volume[a] / 12.0 * dt
+            q0 = cosine * curvature[0, a] - sine * curvature[1, a] + gain * derivatives[4, a]
+            q1 = sine * curvature[0, a] + cosine * curvature[1, a] + gain * derivatives[5, a]
+            curvature[0, a], curvature[1, a] = q0, q1
         pressure = c_squared * (rho[a] - rho0)
         per = 1.0 / (rho[a] * rho[a])
         k, s0, s1 = correction[4, a], correction[5, a], correction[6, a]

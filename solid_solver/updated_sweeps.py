@@ -23,6 +23,7 @@ from shared.jit import njit, parallel_njit
 from shared.kernels import kernel_f
 from solid_solver.shifting import short_range
 from solid_solver.updated_material import update_material
+from solid_solver.updated_quadratic import quadratic_accelerations, quadratic_derivatives, quadratic_flux
 
 _SINGULAR = 1.0e-3
 """Determinant of M (1 in a full neighbourhood) below which a particle's gradient stays uncorrected."""
@@ -157,11 +158,11 @@ def extreme_density(rho, stress):
 def steps(now, material_state, sums, pairs, kernel, loads, kicks, numbers):
     """Take steps until `kicks` is used up, the neighbour list is outgrown, or shifting is due.
 
-    `now`: x (2, n), u (2, n), a (2, free); `material_state`: m, V, ρ, S, Q, tracer offsets; `sums`: derivatives,
-    correction, flux, crowding; `pairs`: first, neighbour, positions at the list's making, allowed displacement;
-    `kernel`: code, h; `loads`: steady (2, free), ramped (g, 2, free), shares (steps + 1, g); `kicks`: (e, τφ) of half
-    a step; `numbers`: dt, α h c, (G, c², ρ0, E'), corrected, first step to take, spacings (n,), crowding that calls
-    for shifting.
+    `now`: x (2, n), u (2, n), a (2, free); `material_state`: m, V, ρ, S, Q or Z, tracer offsets; `sums`: derivatives,
+    correction, flux, crowding, and the fits and scratch of updated_quadratic.py; `pairs`: first, neighbour, positions
+    at the list's making, allowed displacement; `kernel`: code, h; `loads`: steady (2, free), ramped (g, 2, free),
+    shares (steps + 1, g); `kicks`: (e, τφ) of half a step; `numbers`: dt, α h c, (G, c², ρ0, E'), order of the
+    gradient (0: as printed), first step to take, spacings (n,), crowding that calls for shifting.
     Returns the number of the next step and whether shifting is due. One step:
 
         1. u ← half a kick under the loads at its start     2. x ← x + ½ Δt u
@@ -170,21 +171,30 @@ def steps(now, material_state, sums, pairs, kernel, loads, kicks, numbers):
     """
     x, u, a = now
     mass, volume, rho, stress, curvature, offset = material_state
-    derivatives, correction, flux, crowding = sums
+    derivatives, correction, flux, crowding, fits, scratch = sums
     first, neighbour, built, allowed = pairs
     code, h = kernel
     steady, ramped, shares = loads
-    dt, viscosity, material, corrected, begin, spacing, crowded = numbers
+    dt, viscosity, material, order, begin, spacing, crowded = numbers
     free = a.shape[1]
     for n in range(begin, shares.shape[0] - 1):
         if n > begin and moved_too_far(x, u, built, allowed, dt):
             return n, False
         kicked(u, a, steady, ramped, shares[n], kicks)
         drifted(x, u, 0.5 * dt, free)
-        velocity_derivatives(x, u, volume, first, neighbour, code, h, corrected, derivatives, correction)
+        if order == 2:
+            quadratic_derivatives(x, u, volume, first, neighbour, code, h, derivatives, fits, scratch)
+        else:
+            velocity_derivatives(x, u, volume, first, neighbour, code, h, order == 1, derivatives, correction)
         update_material(mass, volume, rho, stress, curvature, offset, derivatives, correction, flux, material, dt)
         drifted(x, u, 0.5 * dt, free)
-        accelerations(x, u, mass, volume, flux, first, neighbour, code, h, viscosity, spacing, a, crowding)
+        if order == 2:
+            quadratic_flux(volume, rho, stress, curvature, derivatives, fits, flux, material, dt)
+            quadratic_accelerations(
+                x, u, mass, volume, flux, first, neighbour, code, h, viscosity, spacing, a, crowding
+            )
+        else:
+            accelerations(x, u, mass, volume, flux, first, neighbour, code, h, viscosity, spacing, a, crowding)
         kicked(u, a, steady, ramped, shares[n + 1], kicks)
         if np.any(crowding > crowded):
             return n + 1, True

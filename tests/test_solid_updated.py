@@ -94,7 +94,7 @@ def test_forces_do_the_work_of_the_stresses_and_keep_momentum():
     rho, mass = np.full(cloud.count, 1000.0), 1000.0 * cloud.volume
     stress, curvature = rng.standard_normal((4, cloud.count)), 0.1 * rng.standard_normal((2, cloud.count))
     flux, offset = np.zeros((6, cloud.count)), np.zeros((2, cloud.count))
-    material = (1.0, 0.01, 900.0, 0.0)  # G, c², ρ0, E': p = 1
+    material = (1.0, 0.01, 900.0, 1.0)  # G, c², ρ0, E': p = 1
     update_material(mass, cloud.volume, rho, stress, curvature, offset, derivatives, correction, flux, material, 0.0)
     a, crowding = np.zeros_like(u), np.zeros(cloud.count)
     accelerations(
