@@ -81,13 +81,16 @@ def permute(S, kind, ids, order, count, S2, kind2, ids2):
     for block in numba.prange((n + BLOCK - 1) // BLOCK):
         lo = block * BLOCK
         hi = min(lo + BLOCK, n)
+        for k in range(max(lo, count), hi):
+            order[k] = k
         for row in range(S.shape[0]):
+            source = S[row]
+            target = S2[row]
             for k in range(lo, hi):
-                S2[row, k] = S[row, order[k] if k < count else k]
+                target[k] = source[order[k] & _NOT_NEGATIVE]
         for k in range(lo, hi):
-            source = order[k] if k < count else k
-            kind2[k] = kind[source]
-            ids2[k] = ids[source]
+            kind2[k] = kind[order[k]]
+            ids2[k] = ids[order[k]]
 
 
 @njit

@@ -3,7 +3,8 @@
 du/dt = −Σ m_b (p_a/ρ_a² + p_b/ρ_b² + Π_ab) ∇W + viscous + g + (d·∇)u.
 
 The transport term is (d·∇)u with ∇u = Σ V_b (u_b − u_a) ⊗ ∇W over the fluid: exact for linear fields as far as the
-kernel sum is, and blind to a uniform velocity, which the printed A = ρ u ⊗ d form is not on disordered particles.
+kernel sum is, and blind to a uniform velocity, which the printed A = ρ u ⊗ d form is not on disordered particles. The
+d in it is the one with which the particle has just moved.
 Sums for shifting and for the surface: ∇C = Σ V_b [1 + 0.2 (W/W(dx))⁴] ∇W and ∇·r = −Σ V_b r² F.
 """
 
@@ -66,7 +67,7 @@ def make_forces(kernel: int, viscous: bool, shifting: bool):
                     xa, ya, ua, va = S[X, a], S[Y, a], S[U, a], S[V, a]
                     pr2_a, inv_rho_a = S[PR2, a], S[VOL, a] / S[M, a]
                     ax = ay = cx = cy = div_r = near_x = near_y = 0.0
-                    u_x = u_y = v_x = v_y = 0.0
+                    dx, dy = (S[SX, a], S[SY, a]) if shifting else (0.0, 0.0)
                     for k in range(n):
                         rx = xa - b[0, k]
                         ry = ya - b[1, k]
@@ -84,10 +85,9 @@ def make_forces(kernel: int, viscous: bool, shifting: bool):
                         ay += fy
                         if shifting:
                             vol_f = b[5, k] * F
-                            u_x -= vol_f * gux * rx
-                            u_y -= vol_f * gux * ry
-                            v_x -= vol_f * guy * rx
-                            v_y -= vol_f * guy * ry
+                            carried = vol_f * (dx * rx + dy * ry)
+                            ax -= carried * gux
+                            ay -= carried * guy
                             div_r -= vol_f * r2
                             w = kernel_w(kernel, r2, c.h)
                             weight = shifting_weight(b[5, k], w, inv_w_dx, F)
@@ -99,8 +99,6 @@ def make_forces(kernel: int, viscous: bool, shifting: bool):
                     S[AY, a] = ay + c.gy
                     if shifting:
                         dx, dy = shift_velocity(cx, cy, near_x, near_y, div_r, u_max, c)
-                        S[AX, a] += dx * u_x + dy * u_y
-                        S[AY, a] += dx * v_x + dy * v_y
                         S[SX, a], S[SY, a] = dx, dy
                         R[NEW_NX, a], R[NEW_NY, a] = surface_normal(cx, cy, div_r)
 

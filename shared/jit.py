@@ -41,7 +41,7 @@ def _cache_folder() -> str:
 if "NUMBA_CACHE_DIR" not in os.environ:
     numba.config.CACHE_DIR = _cache_folder()
 # OpenMP first. Threads that wait must sleep: on a busy machine two that spin are slower than one, up to 50 times, and
-# an idle side of a coupled run would take a core from the other. Read when OpenMP is loaded, at the first parallel loop.
+# an idle side of a coupled run would take a core from the other. Read when OpenMP is loaded, at the first loop.
 os.environ.setdefault("OMP_WAIT_POLICY", "PASSIVE")
 numba.config.THREADING_LAYER_PRIORITY = ["omp", "tbb", "workqueue"]
 
