@@ -12,7 +12,7 @@ import numpy as np
 from scipy.spatial import cKDTree
 
 from shared.geometry import contains, distance_to, faces, fill, outline, own_box, wall_particles
-from shared.schema import RIGID_MODELS, SHAPE_KINDS, Body, Domain, Scene, Shape, Wall
+from shared.schema import PARTICLE_MODELS, RIGID_MODELS, SHAPE_KINDS, Body, Domain, Scene, Shape, Wall
 
 OVERLAP_TOLERANCE = 0.01  # depth over dx up to which two bodies only touch
 MOST_CELLS = 2e7  # particles per body that fit the memory of a large workstation
@@ -129,10 +129,10 @@ def _sizes(scene: Scene) -> Iterator[str]:
             yield f"{key} = {dx:g}: larger than body {_called(path, body)}, which measures {extent:g} m across"
         elif len(fill(body, dx).position) == 0:
             yield f"{key} = {dx:g}: too large, body {_called(path, body)} would hold no particle"
-        elif model == "total-lagrangian" and across(body, dx) < LEAST_ACROSS:
+        elif model in PARTICLE_MODELS and across(body, dx) < LEAST_ACROSS:
             yield (
                 f"{key} = {dx:g}: {across(body, dx)} particles across body {_called(path, body)}; model "
-                f"total-lagrangian needs {LEAST_ACROSS} (dx at most {extent / LEAST_ACROSS:g}) for its quadratic fit"
+                f"{model} needs {LEAST_ACROSS} (dx at most {extent / LEAST_ACROSS:g}) for its quadratic fit"
             )
 
 

@@ -6,13 +6,11 @@ from collections.abc import Callable, Iterator
 
 from shared.geometry import own_box
 from shared.scene_geometry import across, has_shape
-from shared.schema import RIGID_MODELS, Scene, Shape
+from shared.schema import PARTICLE_MODELS, RIGID_MODELS, Scene, Shape
 
 LEAST_SLENDER = 3.0  # length over thickness below which a body is no beam
 WANTED_SLENDER = 5.0  # below it, shear and the clamps' neighbourhood rule, which a beam only sketches
 LEAST_ROWS = 2  # rows of interface points across a beam that let a fluid's ghosts follow its rotation
-
-PARTICLE_MODELS = ("total-lagrangian", "ctvf")
 
 STRESSES = ("stress-xx", "stress-yy", "stress-xy", "von-mises")
 MOMENTA = ("momentum-x", "momentum-y", "angular-momentum")

@@ -307,6 +307,7 @@ class Spring(Table):
 
 
 RIGID_MODELS = ("rigid", "spring")
+PARTICLE_MODELS = ("total-lagrangian", "ctvf")
 
 
 class Solid(Table):

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from shared.contract import BadInput
-from shared.scene import load_scene
+from shared.scene import load_scene, scene_warnings
 from shared.schema import Load
 from shared.statistics import statistic
 from solid_solver.bodies import lattice_bodies
@@ -156,6 +156,8 @@ def test_a_table_of_factors_is_followed_and_held():
         ("udl_beam", ["solid.poisson_ratio=0.5"], "0.5"),
         ("udl_beam", ["solid.youngs_modulus=-1e7"], "-10000000.0: must be a number > 0"),
         ("udl_beam", ["solid.dx=6e-3"], "needs 3"),
+        ("udl_beam", ["solid.dx=6e-3", "solid.model=ctvf"], "needs 3"),
+        ("udl_beam", ['solid.clamps=[{ body = "beam", face = "front" }]'], "no such face"),
         ("udl_beam", ["probes[0].point=[0.1, 0.02]"], "outside body 'beam'"),
         ("plate_step_load", ["solid.model=rigid"], "rigid only knows"),
         ("plate_step_load", ["solid.model=beam", "solid.loads[0].following=true"], "following"),
@@ -169,6 +171,19 @@ def test_what_cannot_be_is_refused_with_value_and_range(case, sets, said):
     with pytest.raises(BadInput, match=r"mistake") as caught:
         load_scene(case, sets)
     assert said in str(caught.value)
+
+
+def test_three_particles_across_warn_with_the_reason():
+    (warning,) = scene_warnings(load_scene("udl_beam", ["solid.dx=4e-3"]))
+    assert "3 particles across 'beam'; bending wants 4" in warning
+
+
+def test_a_clamp_on_a_face_without_particles_is_refused():
+    """The left end of a body that runs out into a sliver thinner than its particles."""
+    corners = "[[0.0, 0.0], [0.2, 0.0], [0.2, 0.012], [-0.05, 0.012], [-0.05, 0.0119]]"
+    body = f'solid.bodies=[{{ name = "beam", polygon = {corners} }}]'
+    with pytest.raises(BadInput, match="no particle stands along it"):
+        load_scene("udl_beam", [body, 'solid.clamps=[{ body = "beam", face = "left" }]'])
 
 
 def test_period_and_change_of_a_history():
