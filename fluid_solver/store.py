@@ -58,6 +58,11 @@ class Store:
         self._skin = max(_SKIN * self._support, 2.0 * ahead)
         inv_cell = 1.0 / (self._support + self._skin)
         x0, y0, x1, y1 = bounds(S, kind, count)
+        if x0 > x1:
+            raise SolverFailed(
+                "all fluid has left the domain, and the scene has no walls: nothing is left to compute. "
+                "Shorten end_time, or make domain larger."
+            )
         nx, ny = (x1 - x0) * inv_cell + 3.0, (y1 - y0) * inv_cell + 3.0
         if not nx * ny < MAX_CELLS:
             raise SolverFailed(
