@@ -106,9 +106,7 @@ def outline_own(shape: Shape) -> np.ndarray:
         return _ring([(x0, y0), (x1, y0), (x1, y1), (x0, y1)])
     if shape.circle is not None:
         angle = 2.0 * math.pi * np.arange(CIRCLE_EDGES) / CIRCLE_EDGES
-        return _ring(
-            np.asarray(shape.circle.centre) + shape.circle.radius * np.c_[np.cos(angle), np.sin(angle)]
-        )
+        return _ring(np.asarray(shape.circle.centre) + shape.circle.radius * np.c_[np.cos(angle), np.sin(angle)])
     if shape.polygon is not None:
         return _polygon_edges(shape.polygon)
     parts = shape.union or shape.difference

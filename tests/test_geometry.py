@@ -102,10 +102,7 @@ def test_touching_shapes_share_no_point_and_leave_none_out():
     points = np.c_[x.ravel(), y.ravel()]
     inside = np.array([contains(Shape(rectangle=r), points) for r in parts])
     assert np.all(inside.sum(axis=0) == 1)
-    square = [
-        contains(Shape(polygon=[(r[0], r[1]), (r[2], r[1]), (r[2], r[3]), (r[0], r[3])]), points)
-        for r in parts
-    ]
+    square = [contains(Shape(polygon=[(r[0], r[1]), (r[2], r[1]), (r[2], r[3]), (r[0], r[3])]), points) for r in parts]
     assert np.array_equal(inside, square)
 
 
