@@ -1,12 +1,11 @@
 """How fast is the fluid? A benchmark on a developed dam break.
 
-python -m fluid_solver.bench [particles] [model] [threads]
+fluid-solver bench [--particles N] [--model NAME] [--threads N]
 """
 
 from __future__ import annotations
 
 import math
-import sys
 import time
 
 import numpy as np
@@ -64,18 +63,3 @@ def run_benchmark(particles: int = 180_000, model: str = "ctvf", threads: int = 
         "wall_s": wall,
         "particle_steps_per_s": steps * fluid.particles() / wall,
     }
-
-
-def main() -> None:
-    """Print the benchmark."""
-    given = sys.argv[1:]
-    particles = int(float(given[0])) if given else 180_000
-    model = given[1] if len(given) > 1 else "ctvf"
-    threads = int(given[2]) if len(given) > 2 else 2
-    result = run_benchmark(particles, model, threads)
-    print(f"{model}, {result['particles']:.0f} particles, {threads} threads, {result['steps']:.0f} whole steps: "
-          f"{result['particle_steps_per_s'] / 1e6:.2f} million particle-steps/s")  # fmt: skip
-
-
-if __name__ == "__main__":
-    main()
