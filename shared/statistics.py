@@ -73,7 +73,7 @@ def _mean(time: np.ndarray, value: np.ndarray) -> float:
 def _slope(time: np.ndarray, value: np.ndarray) -> float | None:
     offset = time - time.mean()
     spread = float(offset @ offset)
-    return float(offset @ value) / spread if spread > 0.0 and math.isfinite(spread) else None
+    return float(offset @ (value - value.mean())) / spread if spread > 0.0 and math.isfinite(spread) else None
 
 
 def _period(time: np.ndarray, value: np.ndarray) -> float | None:
