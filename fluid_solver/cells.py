@@ -94,20 +94,15 @@ def permute(S, kind, ids, order, count, S2, kind2, ids2):
 
 
 @njit
-def share_cells(start, nx, edges):
-    """Cut the cells into chunks of like work, in place in `edges`; returns the most candidates of any cell."""
+def share_cells(start, nx, edges, ghosts):
+    """Cut the cells into chunks of like work, in place in `edges`; returns the most candidates of any cell.
+
+    `ghosts`: how many of the sorted particles are ghosts.
+    """
     cells = (start.size - 2) // 2
     ghost_weight = 0.3  # work of a ghost over that of a fluid particle
-    total = 0.0
+    total = start[start.size - 2] - ghosts + ghost_weight * ghosts
     most = 0
-    for c in range(nx + 1, cells - nx - 1):
-        fluid = start[2 * c + 1] - start[2 * c]
-        total += fluid + ghost_weight * (start[2 * c + 2] - start[2 * c + 1])
-        if start[2 * c + 2] > start[2 * c]:
-            candidates = 0
-            for row in range(-1, 2):
-                candidates += start[2 * (c + row * nx) + 4] - start[2 * (c + row * nx) - 2]
-            most = max(most, candidates)
     chunks = edges.size - 1
     edges[0] = nx + 1
     chunk = 1
@@ -116,8 +111,14 @@ def share_cells(start, nx, edges):
         while chunk < chunks and done >= total * chunk / chunks:
             edges[chunk] = c
             chunk += 1
+        if start[2 * c + 2] == start[2 * c]:
+            continue
         fluid = start[2 * c + 1] - start[2 * c]
         done += fluid + ghost_weight * (start[2 * c + 2] - start[2 * c + 1])
+        candidates = 0
+        for row in range(-1, 2):
+            candidates += start[2 * (c + row * nx) + 4] - start[2 * (c + row * nx) - 2]
+        most = max(most, candidates)
     for k in range(chunk, chunks + 1):
         edges[k] = cells - nx - 1
     return most

@@ -17,11 +17,11 @@ from fluid_solver.cells import (
     permute,
     share_cells,
 )
-from fluid_solver.fields import WORK_ROWS
+from fluid_solver.fields import FLUID, WORK_ROWS
 from shared.contract import SolverFailed
 
 BUFFER_ROWS = 12  # the widest sweep's rows
-_SKIN = 0.05  # of the support: cells may stay as they are while particles move half of it
+_SKIN = 0.04  # of the support: cells may stay as they are while particles move half of it
 _CROWDED = 1.25  # room in a buffer over the candidates met
 
 
@@ -39,6 +39,7 @@ class Store:
         self._key, self._order = np.empty(n, dtype=np.int64), np.empty(n, dtype=np.int64)
         self._cells = np.zeros(2, dtype=np.int64)
         self._support, self._domain = support, domain
+        self._ghosts = int(np.count_nonzero(self.kind != FLUID))
         self.work = np.zeros((WORK_ROWS, n))
         self.speeds = np.empty((2, n // BLOCK + 1))
         self.edges = np.zeros(CHUNKS + 1, dtype=np.int64)
@@ -84,7 +85,7 @@ class Store:
         self._share()
 
     def _share(self) -> None:
-        most = share_cells(self.start, self.nx, self.edges)
+        most = share_cells(self.start, self.nx, self.edges, self._ghosts)
         if most + 2 * LANES > self.buffers.shape[2]:
             room = int(_CROWDED * most / LANES + 3) * LANES
             self.buffers = np.empty((CHUNKS, BUFFER_ROWS, room))
