@@ -337,7 +337,8 @@ class Solid(Table):
         about="velocity gradient of model ctvf: as printed, or corrected to be exact for linear or quadratic fields",
     )
     shifting: bool = key(
-        True, about="particle shifting of model ctvf; without it stretched bodies fracture numerically"
+        True,
+        about="particle shifting of model ctvf, evens out spacing; fracture under gradient printed it does not stop",
     )
     courant: Annotated[float, Field(gt=0.0, le=1.0)] | Literal["auto"] = key(
         "auto",
