@@ -67,6 +67,13 @@ def _place(store, i: int) -> str:
 
 
 def domain_of(scene: Scene) -> np.ndarray:
+    """x0, y0, x1, y1 [m]: as in `_bounds`; nothing leaves it in a periodic direction."""
+    lower, upper = _bounds(scene).reshape(2, 2)
+    periodic = np.array([scene.fluid.periodic.x is not None, scene.fluid.periodic.y is not None])
+    return np.concatenate([np.where(periodic, -np.inf, lower), np.where(periodic, np.inf, upper)])
+
+
+def _bounds(scene: Scene) -> np.ndarray:
     """x0, y0, x1, y1 [m]: the scene's, or everything in it, with three times its height above (against gravity)."""
     if scene.domain != "auto":
         return np.array([*scene.domain.lower, *scene.domain.upper], dtype=float)

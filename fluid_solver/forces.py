@@ -54,7 +54,7 @@ def make_forces(kernel: int, viscous: bool, shifting: bool):
     rows = force_rows(viscous, shifting)
 
     @parallel_njit
-    def forces(S, start, nx, edges, buffers, c, u_max, R):
+    def forces(S, start, grid, edges, buffers, c, u_max, R):
         """Writes S[AX], S[AY] of the fluid; if shifting also S[SX], S[SY] and the new normals in R."""
         inv_w_dx = 1.0 / c.w_dx
         for chunk in numba.prange(edges.size - 1):
@@ -62,7 +62,7 @@ def make_forces(kernel: int, viscous: bool, shifting: bool):
             for cell in range(edges[chunk], edges[chunk + 1]):
                 if start[2 * cell] == start[2 * cell + 1]:
                     continue
-                n = gather(S, rows, start, nx, cell, b)
+                n = gather(S, rows, start, grid, cell, b)
                 for a in range(start[2 * cell], start[2 * cell + 1]):
                     xa, ya, ua, va = S[X, a], S[Y, a], S[U, a], S[V, a]
                     pr2_a, inv_rho_a = S[PR2, a], S[VOL, a] / S[M, a]

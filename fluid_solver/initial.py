@@ -13,7 +13,9 @@ from dataclasses import dataclass
 import numpy as np
 
 from fluid_solver.fields import FREE_SLIP, NO_SLIP, STRUCTURE
+from fluid_solver.flows import initial_flow, largest_field_speed
 from fluid_solver.motion import largest_speed
+from fluid_solver.period import period_of, within_period
 from shared.contract import BadInput
 from shared.geometry import contains, distance_to, fill, ghosts, outline, wall_particles
 from shared.schema import Body, Scene, Wall
@@ -60,8 +62,10 @@ def sound_speed(scene: Scene) -> float:
     g = math.hypot(*scene.gravity)
     points = np.concatenate([outline(body).reshape(-1, 2) for body in fluid.bodies])
     height = np.ptp(points @ np.asarray(scene.gravity)) / g if g > 0.0 else 0.0
-    start = max(math.hypot(*body.velocity) for body in fluid.bodies)
-    walls = max((largest_speed(wall.motion) for wall in scene.walls if wall.motion), default=0.0)
+    start = max(math.hypot(*body.velocity) + largest_field_speed(body) for body in fluid.bodies)
+    walls = max(
+        (largest_speed(wall.motion) if wall.motion else abs(wall.surface_speed) for wall in scene.walls), default=0.0
+    )
     speed = max(math.sqrt(2.0 * g * height + start * start), walls)
     if speed == 0.0:
         raise BadInput(
@@ -83,11 +87,14 @@ def fluid_particles(scene: Scene, c0: float) -> FluidParticles:
             raise BadInput(f"fluid body {body.name!r} holds no particle at fluid.dx = {fluid.dx:g} m: make dx smaller.")
         position, pressure = off_faces(lattice.position, faces, CLEAR * fluid.dx), np.zeros(n)
         if fluid.initial_pressure == "hydrostatic":
-            position, pressure = settle(body, position, np.asarray(scene.gravity), c0, fluid.density)
+            gravity = np.where(np.diff(period_of(scene))[:, 0] > 0.0, 0.0, scene.gravity)
+            position, pressure = settle(body, position, gravity, c0, fluid.density)
+        velocity, dynamic = initial_flow(body, position, fluid.density)
+        pressure = pressure + dynamic
         parts.append(
             (
                 position,
-                np.tile(body.velocity, (n, 1)).astype(float),
+                velocity,
                 pressure,
                 fluid.density + pressure / c0**2,
                 fluid.density * lattice.volume,
@@ -145,7 +152,7 @@ def lay_ghosts(scene: Scene, support: float) -> Ghosts:
     parts = []
     for index, wall in enumerate(scene.walls):
         layers = wall_particles(wall, dx, support)
-        keep = np.ones(len(layers.position), dtype=bool)
+        keep = within_period(scene, layers.position)
         for body in bodies:
             keep &= ~contains(body, layers.position)
             keep &= distance_to(outline(body), layers.position) >= OWNED * dx
@@ -155,7 +162,9 @@ def lay_ghosts(scene: Scene, support: float) -> Ghosts:
     for index, body in enumerate(bodies):
         dry = [clamp.face for clamp in scene.solid.clamps if clamp.body == body.name]
         inside = ghosts(body, dx, support, dry)
-        parts.append(_part(inside.position, inside.volume, STRUCTURE, index, np.zeros_like(inside.position)))
+        keep = within_period(scene, inside.position)
+        position = inside.position[keep]
+        parts.append(_part(position, inside.volume[keep], STRUCTURE, index, np.zeros_like(position)))
     if not parts:
         return Ghosts(*_part(np.empty((0, 2)), np.empty(0), STRUCTURE, 0, np.empty((0, 2))))
     return Ghosts(*(np.concatenate(column) for column in zip(*parts, strict=True)))

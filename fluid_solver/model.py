@@ -20,6 +20,7 @@ from fluid_solver.integrate import advance_and_drift, kick, kick_and_drift, larg
 from fluid_solver.motion import POSE, WallMotion, place_ghosts, structure_pose
 from fluid_solver.observe import Observer
 from fluid_solver.parameters import Parameters, parameters, stable_courant
+from fluid_solver.period import period_of, wrapped
 from fluid_solver.rates import make_rates
 from fluid_solver.store import Store
 from fluid_solver.walls import make_ghost_velocity, make_ghosts
@@ -54,7 +55,9 @@ class ParticleFluid:
         self.fluid_count = len(water.position)
         self._first = self.fluid_count  # id of the first ghost
         self._walls = self.ghosts.walls
-        self.store = Store(*_initial_state(water, self.ghosts), self.c.support, diagnosis.domain_of(scene))
+        self.store = Store(
+            *_initial_state(water, self.ghosts), self.c.support, diagnosis.domain_of(scene), period_of(scene)
+        )
         self._threads = threads if self.particles() >= SERIAL_BELOW else 1
         self._set_up_motion()
         self.force = np.zeros((len(self.ghosts.position), 2))  # N/m on every ghost, at the last step's end
@@ -74,6 +77,9 @@ class ParticleFluid:
         ]
         self._pose = np.zeros((len(rest), POSE))
         self._pose[:, :2], self._pose[:, 6:] = rest, normal
+        sliding = np.array([wall.surface_speed for wall in self.scene.walls])
+        if sliding.any():  # a turn of the normal, which points to the right of the polyline, is along it
+            self._pose[: self._walls, 2:4] = sliding[owner, None] * np.c_[-normal[:, 1], normal[:, 0]][: self._walls]
         self._x0 = rest[self._walls :].copy()  # structure ghosts at the window's start
         self._v0 = np.zeros_like(self._x0)
 
@@ -109,7 +115,7 @@ class ParticleFluid:
         store = self.store
         store.sort(0.0)
         self._speed = largest(store.S, store.kind, store.count, store.speeds)[0]
-        cells = store.start, store.nx, store.edges, store.buffers, self.c
+        cells = store.start, store.grid, store.edges, store.buffers, self.c
         self._ghost_velocity(store.S, store.kind, store.ids, *cells, self._first, self._pose)
         self._accelerate()
         kick(store.S, store.kind, store.count, 0.0, self._transported, store.work)
@@ -154,7 +160,7 @@ class ParticleFluid:
         store.sort_if_moved(reach)
         # 4, 5  ghosts' velocities and rates at the middle; p and ρ a full step on
         # 6     x += (u_half + δu) dt/2; walls and ghosts to the end
-        cells = store.start, store.nx, store.edges, store.buffers, c
+        cells = store.start, store.grid, store.edges, store.buffers, c
         self._ghost_velocity(store.S, store.kind, store.ids, *cells, self._first, self._pose)
         self._rates(store.S, *cells, store.work)
         advance_and_drift(store.S, store.kind, store.count, dt, c, store.work)
@@ -167,7 +173,7 @@ class ParticleFluid:
 
     def _accelerate(self) -> None:
         s = self.store
-        cells = s.start, s.nx, s.edges, s.buffers, self.c
+        cells = s.start, s.grid, s.edges, s.buffers, self.c
         self._ghost_sweep(s.S, s.ids, *cells, self._first, self.force)
         self._forces(s.S, *cells, self._speed, s.work)
 
@@ -184,7 +190,7 @@ class ParticleFluid:
             end, pose = (boundary.position, boundary.velocity), self._pose[self._walls :]
             structure_pose(since / length, length, self._x0, self._v0, *end, a, pose)
         s = self.store
-        place_ghosts(s.S, s.kind, s.ids, s.count, self._first, self._pose)
+        place_ghosts(s.S, s.kind, s.ids, s.count, s.grid, self._first, self._pose)
 
     def _ghost_speed(self, boundary: Kinematics | None) -> float:
         if boundary is None and not self._moving:
@@ -228,7 +234,9 @@ class ParticleFluid:
         inside = np.ones(self.fluid_count, dtype=bool)
         inside[self.store.ids[self.store.kind == PARKED]] = False
         x, y, u, v, p, rho = self.store.in_order_of_ids([X, Y, U, V, P, RHO], 0, self.fluid_count)[:, inside]
-        return Frame(np.c_[x, y], {"velocity": np.c_[u, v], "pressure": p, "density": rho})
+        return Frame(
+            wrapped(np.c_[x, y], period_of(self.scene)), {"velocity": np.c_[u, v], "pressure": p, "density": rho}
+        )
 
     def particles(self) -> int:
         """Fluid, wall and structure-ghost particles."""

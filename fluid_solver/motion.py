@@ -13,7 +13,7 @@ from scipy.interpolate import PchipInterpolator
 
 from fluid_solver.cells import BLOCK
 from fluid_solver.fields import AX, AY, FLUID, PARKED, U, V, X, Y
-from shared.jit import njit, parallel_njit
+from shared.jit import inline_njit, njit, parallel_njit
 from shared.schema import Motion
 
 POSE = 8
@@ -81,15 +81,24 @@ def structure_pose(s, length, x0, v0, x1, v1, acceleration, pose):
 
 
 @parallel_njit
-def place_ghosts(S, kind, ids, count, first, pose):
-    """Set position, velocity and acceleration of all ghosts from `pose` (ghosts, 8), by id less `first`."""
+def place_ghosts(S, kind, ids, count, grid, first, pose):
+    """Set position, velocity and acceleration of all ghosts from `pose` (ghosts, 8), by id less `first`.
+
+    In a periodic direction a ghost keeps to the image that its cell holds.
+    """
     for block in numba.prange((count + BLOCK - 1) // BLOCK):
         for i in range(block * BLOCK, min(block * BLOCK + BLOCK, count)):
             if kind[i] != FLUID and kind[i] != PARKED:
                 at = ids[i] - first
-                S[X, i] = pose[at, 0]
-                S[Y, i] = pose[at, 1]
+                S[X, i] = nearest_image(pose[at, 0], S[X, i], grid.period_x)
+                S[Y, i] = nearest_image(pose[at, 1], S[Y, i], grid.period_y)
                 S[U, i] = pose[at, 2]
                 S[V, i] = pose[at, 3]
                 S[AX, i] = pose[at, 4]
                 S[AY, i] = pose[at, 5]
+
+
+@inline_njit
+def nearest_image(x, near, period):
+    """`x` [m], or that of its images a whole number of periods away that is nearest to `near`."""
+    return x + period * np.rint((near - x) / period) if period > 0.0 else x

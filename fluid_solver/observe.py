@@ -4,7 +4,9 @@ from __future__ import annotations
 
 import numpy as np
 
+from fluid_solver.cells import neighbour
 from fluid_solver.fields import FLUID, RHO, STRUCTURE, M, P, U, V, X, Y
+from fluid_solver.motion import nearest_image
 from shared.jit import njit
 from shared.kernels import Kernel, kernel_w
 from shared.schema import Probe, Scene
@@ -39,12 +41,12 @@ class Observer:
         S, quantity = store.S[:, : store.count], probe.quantity
         kind = store.kind[: store.count]
         if quantity == "pressure":
-            return pressure_at(S, kind, self._kernel, *probe.point, self._c)
+            return pressure_at(S, kind, self._kernel, *probe.point, store.grid, self._c)
         if quantity in ("force-x", "force-y"):
             return force[self._owned_by(probe.body), 0 if quantity == "force-x" else 1].sum()
         if quantity == "leaked":
             reach = INSIDE * self._c.dx
-            return store.parked + inside_walls(S, store.start, store.nx, reach)
+            return store.parked + inside_walls(S, store.start, store.grid, reach)
         chosen = kind == FLUID
         if probe.body is not None:
             chosen[chosen] = self._body[store.ids[: store.count][chosen]] == self._fluids[probe.body]
@@ -72,13 +74,13 @@ class Observer:
 
 
 @njit
-def pressure_at(S, kind, kernel, x, y, c):
+def pressure_at(S, kind, kernel, x, y, grid, c):
     """Pressure [Pa] at (x, y): eq. 14 at a point that stands still, exact for linear fields; 0 without fluid."""
     total = p = 0.0
     for b in range(kind.size):
         if kind[b] == FLUID:
-            rx = x - S[X, b]
-            ry = y - S[Y, b]
+            rx = nearest_image(x - S[X, b], 0.0, grid.period_x)
+            ry = nearest_image(y - S[Y, b], 0.0, grid.period_y)
             r2 = rx * rx + ry * ry
             if r2 < c.support * c.support:
                 w = kernel_w(kernel, r2, c.h)
@@ -102,17 +104,17 @@ def first_connected(x, y, order, reach):
 
 
 @njit
-def inside_walls(S, start, nx, reach):
+def inside_walls(S, start, grid, reach):
     """Number of fluid particles nearer than `reach` [m] to a ghost."""
     found = 0
-    for cell in range(nx + 1, start.size // 2 - 1 - nx - 1):
+    for cell in range(grid.columns + 1, start.size // 2 - 1 - grid.columns - 1):
         for a in range(start[2 * cell], start[2 * cell + 1]):
             nearest = np.inf
-            for row in range(-1, 2):
-                for column in range(-1, 2):
-                    other = cell + row * nx + column
+            for j in range(-1, 2):
+                for i in range(-1, 2):
+                    other, x, y = neighbour(grid, cell, i, j)
                     for b in range(start[2 * other + 1], start[2 * other + 2]):
-                        nearest = min(nearest, (S[X, a] - S[X, b]) ** 2 + (S[Y, a] - S[Y, b]) ** 2)
+                        nearest = min(nearest, (S[X, a] - S[X, b] - x) ** 2 + (S[Y, a] - S[Y, b] - y) ** 2)
             if nearest < reach * reach:
                 found += 1
     return found

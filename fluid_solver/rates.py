@@ -36,7 +36,7 @@ def make_rates(kernel: int, transported: bool):
     rows = _ROWS_TRANSPORT if transported else _ROWS
 
     @parallel_njit
-    def rates(S, start, nx, edges, buffers, c, R):
+    def rates(S, start, grid, edges, buffers, c, R):
         """Writes R[DP] [Pa/s] of the fluid."""
         rho_gx = c.rho0 * c.gx
         rho_gy = c.rho0 * c.gy
@@ -45,7 +45,7 @@ def make_rates(kernel: int, transported: bool):
             for cell in range(edges[chunk], edges[chunk + 1]):
                 if start[2 * cell] == start[2 * cell + 1]:
                     continue
-                n = gather(S, rows, start, nx, cell, b)
+                n = gather(S, rows, start, grid, cell, b)
                 for a in range(start[2 * cell], start[2 * cell + 1]):
                     xa, ya, ua, va, rho_a, p_a = S[X, a], S[Y, a], S[U, a], S[V, a], S[RHO, a], S[P, a]
                     div = div_r = p_rate = 0.0

@@ -11,11 +11,13 @@ from fluid_solver.cells import (
     CHUNKS,
     LANES,
     MAX_CELLS,
+    Grid,
     bounds,
     count_cells,
     park,
     permute,
     share_cells,
+    wrap,
 )
 from fluid_solver.fields import FLUID, WORK_ROWS
 from shared.contract import SolverFailed
@@ -28,54 +30,39 @@ _CROWDED = 1.25  # room in a buffer over the candidates met
 class Store:
     """State `S` (ROWS, n), `kind` and `ids` (n,) in cell order; the first `count` take part, parked ones follow.
 
-    `start`, `nx`: the cells (see cells.py); `edges`: chunks of cells; `buffers`: one per chunk; `work`: results of a
+    `start`, `grid`: the cells (see cells.py); `edges`: chunks of cells; `buffers`: one per chunk; `work`: results of a
     sweep; `speeds`: per-block maxima. `moved` [m]: a bound of the displacement since the last sort.
     """
 
-    def __init__(self, S: np.ndarray, kind: np.ndarray, support: float, domain: np.ndarray):
+    def __init__(self, S: np.ndarray, kind: np.ndarray, support: float, domain: np.ndarray, period: np.ndarray):
         n = S.shape[1]
         self.S, self.kind, self.ids = _with_slack(S), kind.astype(np.int8), np.arange(n)
         self._spare = _with_slack(S), np.empty_like(self.kind), np.empty_like(self.ids)
         self._key, self._order = np.empty(n, dtype=np.int64), np.empty(n, dtype=np.int64)
         self._cells = np.zeros(2, dtype=np.int64)
-        self._support, self._domain = support, domain
+        self._support, self._domain, self._period = support, domain, period
         self._ghosts = int(np.count_nonzero(self.kind != FLUID))
         self.work = np.zeros((WORK_ROWS, n))
         self.speeds = np.empty((2, n // BLOCK + 1))
         self.edges = np.zeros(CHUNKS + 1, dtype=np.int64)
         self.buffers = np.empty((CHUNKS, BUFFER_ROWS, LANES))
-        self.start, self.nx, self.count, self.parked = self._cells, 0, n, 0
+        self.start, self.count, self.parked = self._cells, n, 0
+        self.grid = Grid(0, 0, *(float(length) for length in period[:, 1] - period[:, 0]))
         self.moved = self._skin = 0.0
 
     def sort_if_moved(self, ahead: float) -> None:
         """Sort unless the cells hold for a further displacement `ahead` [m] of every particle."""
-        if self.nx == 0 or 2.0 * (self.moved + ahead) > self._skin:
+        if self.grid.columns == 0 or 2.0 * (self.moved + ahead) > self._skin:
             self.sort(ahead)
 
     def sort(self, ahead: float) -> None:
         """Sort all particles by cell; takes those out of the domain out of all loops."""
         S, kind, count = self.S, self.kind, self.count
+        wrap(S, count, self._period)
         self.parked += park(S, kind, count, self._domain)
         self._skin = max(_SKIN * self._support, 2.0 * ahead)
-        inv_cell = 1.0 / (self._support + self._skin)
-        x0, y0, x1, y1 = bounds(S, kind, count)
-        if x0 > x1:
-            raise SolverFailed(
-                "all fluid has left the domain, and the scene has no walls: nothing is left to compute. "
-                "Shorten end_time, or make domain larger."
-            )
-        nx, ny = (x1 - x0) * inv_cell + 3.0, (y1 - y0) * inv_cell + 3.0
-        if not nx * ny < MAX_CELLS:
-            raise SolverFailed(
-                f"the particles spread from ({x0:.4g}, {y0:.4g}) to ({x1:.4g}, {y1:.4g}) m, too far for cells of "
-                f"{1.0 / inv_cell:.3g} m: a body or wall has run away, or dx is too small for the scene"
-            )
-        self.nx = int(nx)
-        size = 2 * self.nx * int(ny) + 2
-        if size > self._cells.size:
-            self._cells = np.empty(int(_CROWDED * size), dtype=np.int64)
-        self.start = self._cells[:size]
-        count_cells(S, kind, count, x0, y0, inv_cell, self.nx, self._key, self.start, self._order)
+        origin, inv_cell = self._lay_cells(np.array(bounds(S, kind, count)).reshape(2, 2).T)
+        count_cells(S, kind, count, origin, inv_cell, self.grid, self._key, self.start, self._order)
         S2, kind2, ids2 = self._spare
         permute(S, kind, self.ids, self._order, count, S2, kind2, ids2)
         self._spare = S, kind, self.ids
@@ -84,8 +71,37 @@ class Store:
         self.moved = 0.0
         self._share()
 
+    def _lay_cells(self, box: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """Make room for cells over `box` (2, 2): lower and upper bound [m] along x and y; periods instead where given.
+
+        Returns the corner (2,) [m] of the first cell and one over the cells' size (2,) [1/m].
+        """
+        if box[0, 0] > box[0, 1]:
+            raise SolverFailed(
+                "all fluid has left the domain, and the scene has no walls: nothing is left to compute. "
+                "Shorten end_time, or make domain larger."
+            )
+        length = self._period[:, 1] - self._period[:, 0]
+        periodic = length > 0.0
+        box = np.where(periodic[:, None], self._period, box)
+        width = self._support + self._skin
+        tiles = np.maximum(1.0, np.floor(length / width))
+        inv_cell = np.where(periodic, tiles / np.where(periodic, length, 1.0), 1.0 / width)
+        size = np.where(periodic, tiles + 2.0, np.floor((box[:, 1] - box[:, 0]) / width) + 3.0)
+        if not size[0] * size[1] < MAX_CELLS:
+            raise SolverFailed(
+                f"the particles spread from ({box[0, 0]:.4g}, {box[1, 0]:.4g}) to ({box[0, 1]:.4g}, {box[1, 1]:.4g}) m,"
+                f" too far for cells of {width:.3g} m: a body or wall has run away, or dx is too small for the scene"
+            )
+        self.grid = self.grid._replace(columns=int(size[0]), rows=int(size[1]))
+        cells = 2 * self.grid.columns * self.grid.rows + 2
+        if cells > self._cells.size:
+            self._cells = np.empty(int(_CROWDED * cells), dtype=np.int64)
+        self.start = self._cells[:cells]
+        return box[:, 0].copy(), inv_cell
+
     def _share(self) -> None:
-        most = share_cells(self.start, self.nx, self.edges, self._ghosts)
+        most = share_cells(self.start, self.grid, self.edges, self._ghosts)
         if most + 2 * LANES > self.buffers.shape[2]:
             room = int(_CROWDED * most / LANES + 3) * LANES
             self.buffers = np.empty((CHUNKS, BUFFER_ROWS, room))
@@ -104,7 +120,7 @@ class Store:
             "kind": self.kind,
             "ids": self.ids,
             "start": self.start,
-            "cells": np.array([self.nx, self.count, self.parked]),
+            "cells": np.array([self.grid.columns, self.grid.rows, self.count, self.parked]),
             "skin": np.array([self.moved, self._skin]),
         }
 
@@ -113,7 +129,8 @@ class Store:
         self.S[...], self.kind[...], self.ids[...] = state["S"], state["kind"], state["ids"]
         self._cells = np.array(state["start"])
         self.start = self._cells
-        self.nx, self.count, self.parked = (int(k) for k in state["cells"])
+        columns, rows, self.count, self.parked = (int(k) for k in state["cells"])
+        self.grid = self.grid._replace(columns=columns, rows=rows)
         self.moved, self._skin = (float(k) for k in state["skin"])
         self._share()
 

@@ -60,14 +60,14 @@ def make_ghost_velocity(kernel: int, viscous: bool):
     """The compiled sweep that mirrors the fluid's velocity at walls; `viscous`: structures are sticky."""
 
     @parallel_njit
-    def ghost_velocity(S, kind, ids, start, nx, edges, buffers, c, first, pose):
+    def ghost_velocity(S, kind, ids, start, grid, edges, buffers, c, first, pose):
         """Sets S[GX], S[GY] of the ghosts. A ghost's normal is in `pose` at its id less `first`."""
         for chunk in numba.prange(edges.size - 1):
             b = buffers[chunk]
             for cell in range(edges[chunk], edges[chunk + 1]):
                 if start[2 * cell + 1] == start[2 * cell + 2]:
                     continue
-                n = gather_fluid(S, _ROWS_VELOCITY, start, nx, cell, b)
+                n = gather_fluid(S, _ROWS_VELOCITY, start, grid, cell, b)
                 for a in range(start[2 * cell + 1], start[2 * cell + 2]):
                     total = u_sum = v_sum = 0.0
                     xa, ya = S[X, a], S[Y, a]
@@ -103,7 +103,7 @@ def make_ghosts(kernel: int, viscous: bool):
     """The compiled sweep for pressures of ghosts and forces on them."""
 
     @parallel_njit
-    def ghosts(S, ids, start, nx, edges, buffers, c, first, force):
+    def ghosts(S, ids, start, grid, edges, buffers, c, first, force):
         """Sets pressure, density and mass of the ghosts, and their `force` (ghosts, 2) [N/m].
 
         A ghost's place in `force` is its id less `first`.
@@ -113,7 +113,7 @@ def make_ghosts(kernel: int, viscous: bool):
             for cell in range(edges[chunk], edges[chunk + 1]):
                 if start[2 * cell + 1] == start[2 * cell + 2]:
                     continue
-                n = gather_fluid(S, _ROWS, start, nx, cell, b)
+                n = gather_fluid(S, _ROWS, start, grid, cell, b)
                 for a in range(start[2 * cell + 1], start[2 * cell + 2]):
                     extrapolate(S, kernel, a, n, b, c)
                     fx = fy = 0.0

@@ -182,6 +182,11 @@ class Wall(Table):
         "free", about="free: no friction; no: the fluid sticks to the wall (needs viscosity)"
     )
     motion: Motion | None = key(None, about="prescribed motion; absent: fixed")
+    surface_speed: float = key(
+        0.0,
+        unit="m/s",
+        about="speed of the wall's face along its polyline while the wall stays: a sliding lid, a belt, a drum",
+    )
 
     @field_validator("polyline")
     @classmethod
@@ -196,10 +201,52 @@ class Wall(Table):
             raise ValueError("closed = true joins the last corner to the first; leave the repeated corner out")
         return self
 
+    @model_validator(mode="after")
+    def _face_slides(self):
+        if self.surface_speed and self.slip == "free":
+            raise ValueError('surface_speed drags the fluid only with slip = "no"')
+        if self.surface_speed and self.motion is not None:
+            raise ValueError("give either motion or surface_speed")
+        return self
+
 
 # ---- the two sides ---------------------------------------------------------------------------------------
 
 KernelName = Literal["wendland-c2", "quintic-spline"]
+
+
+class VelocityField(Table):
+    """Initial velocity of a body of water, added to its uniform one.
+
+    With k = 2π/wavelength and speed U: taylor-green: u = U sin kx cos ky, v = −U cos kx sin ky, and its pressure
+    ρU²/4 (cos 2kx + cos 2ky) on top of the initial one; standing-wave: the wave as its surface passes through level,
+    u = −U sin kx cosh kz / sinh kH, v = U cos kx sinh kz / sinh kH, z from the body's bottom, H its height. Then the
+    surface rises to U/ω in its crests.
+    """
+
+    kind: Literal["taylor-green", "standing-wave"] = key(about="which field")
+    speed: float = key(unit="m/s", about="U: largest speed, of the standing wave that of the surface's crests")
+    wavelength: Positive = key(unit="m", about="wavelength of the field; x = y = 0 is a corner of a vortex or a crest")
+
+
+class FluidBody(Body):
+    """A named region of water."""
+
+    velocity_field: VelocityField | None = key(None, about="initial velocity that varies in space, added to velocity")
+
+
+class Periodic(Table):
+    """What leaves the interval on one side comes in on the other; walls and bodies lie inside."""
+
+    x: Pair | None = key(None, unit="m", about="x0, x1 with x0 < x1; absent: not periodic along x")
+    y: Pair | None = key(None, unit="m", about="y0, y1 with y0 < y1; absent: not periodic along y")
+
+    @field_validator("x", "y")
+    @classmethod
+    def _has_length(cls, bounds):
+        if bounds is not None and not bounds[0] < bounds[1]:
+            raise ValueError("[from, to] needs from < to")
+        return bounds
 
 
 class Fluid(Table):
@@ -232,7 +279,8 @@ class Fluid(Table):
     structure_acceleration: bool = key(
         True, about="the structure's mean acceleration enters the ghost pressure (eq. 14)"
     )
-    bodies: list[Body] = key(about="regions of water", min_length=1)
+    periodic: Periodic = key(Periodic(), about="{ x = [x0, x1], y = [y0, y1] }: periodic directions; absent: none")
+    bodies: list[FluidBody] = key(about="regions of water", min_length=1)
 
 
 class Clamp(Table):

@@ -275,9 +275,9 @@ def test_cells_hold_every_neighbour():
     x, y = store.S[X, : store.count], store.S[Y, : store.count]
     for i in range(0, store.count, 17):
         near = np.hypot(x - x[i], y - y[i]) < c.support
-        row, column = np.divmod(cell[near], store.nx)
-        assert np.all(np.abs(row - cell[i] // store.nx) <= 1)
-        assert np.all(np.abs(column - cell[i] % store.nx) <= 1)
+        row, column = np.divmod(cell[near], store.grid.columns)
+        assert np.all(np.abs(row - cell[i] // store.grid.columns) <= 1)
+        assert np.all(np.abs(column - cell[i] % store.grid.columns) <= 1)
 
 
 # ---- failures ---------------------------------------------------------------------------------------------------

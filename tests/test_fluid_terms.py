@@ -46,7 +46,7 @@ def patch(jitter=0.05, u=None, d=None, p=None) -> Store:
         S[P] = p(x, y)
         S[PR2] = S[P] / RHO0**2
     support = KERNEL.support * H_OVER_DX * DX
-    store = Store(S, np.full(x.size, FLUID), support, np.array([-1e9, -1e9, 1e9, 1e9]))
+    store = Store(S, np.full(x.size, FLUID), support, np.array([-1e9, -1e9, 1e9, 1e9]), np.zeros((2, 2)))
     store.sort(0.0)
     return store
 
@@ -57,13 +57,13 @@ def interior(store: Store) -> np.ndarray:
 
 
 def pressure_rate(store: Store, c: Parameters, transported: bool) -> np.ndarray:
-    make_rates(KERNEL.code, transported)(store.S, store.start, store.nx, store.edges, store.buffers, c, store.work)
+    make_rates(KERNEL.code, transported)(store.S, store.start, store.grid, store.edges, store.buffers, c, store.work)
     return store.work[DP]
 
 
 def acceleration(store: Store, c: Parameters, viscous=False, shifting=False, u_max=0.0) -> np.ndarray:
     sweep = make_forces(KERNEL.code, viscous, shifting)
-    sweep(store.S, store.start, store.nx, store.edges, store.buffers, c, u_max, store.work)
+    sweep(store.S, store.start, store.grid, store.edges, store.buffers, c, u_max, store.work)
     return store.S[[AX, AY]]
 
 
