@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 from enum import StrEnum
 from typing import Annotated
 
@@ -9,6 +10,9 @@ import typer
 from rich.console import Console
 from rich.table import Table
 
+from coupler.preflight import actual, preflight, stop_if_refused, warn_of
+from coupler.preflight_auto import chosen, run_one_side
+from coupler.preflight_table import print_preflight
 from coupler.run import run_coupled
 from shared.commands import (
     Case,
@@ -23,6 +27,7 @@ from shared.commands import (
     warn,
 )
 from shared.contract import BadInput
+from shared.results import plain, write_result
 from shared.scene import load_scene, shipped_cases
 
 app = new_app("Couples a fluid and a solid solver: fluid-structure interaction with smoothed particle hydrodynamics.")
@@ -35,6 +40,13 @@ class LinkKind(StrEnum):
     inprocess = "inprocess"
 
 
+class Models(StrEnum):
+    """Which models a run takes."""
+
+    scene = "scene"
+    auto = "auto"
+
+
 @app.command()
 def run(
     case: Case,
@@ -45,12 +57,46 @@ def run(
         LinkKind, typer.Option(help="Two processes over zenoh, or both sides in this one.")
     ] = LinkKind.zenoh,
     quiet: Quiet = False,
+    models: Annotated[
+        Models, typer.Option(help="As the scene says, or the smallest pair that meets its goal.")
+    ] = Models.scene,
+    force: Annotated[bool, typer.Option("--force", help="Run although pre-flight refuses the scene.")] = False,
 ) -> None:
     """Start both solvers, couple them, and write a run directory."""
     counts = parse_threads(threads)
     scene = load_scene(case, sets or ())
     warn(scene)
-    conclude(run_coupled(scene, case_name(case), out, counts, quiet, link.value), quiet)
+    report = preflight(scene)
+    if models is Models.auto:
+        scene = chosen(report)
+        if scene.fluid is None or scene.solid is None:
+            raise SystemExit(run_one_side(scene, case_name(case), out, counts, quiet))
+        report = preflight(scene)
+    warn_of(report)
+    if not force:
+        stop_if_refused(report)
+    record = run_coupled(scene, case_name(case), out, counts, quiet, link.value, report.as_dict())
+    record.result["preflight"]["actual"] = actual(record.result, scene)
+    write_result(record.run_dir, record.result)
+    conclude(record, quiet)
+
+
+@app.command()
+def check(
+    case: Case,
+    sets: Sets = None,
+    as_json: Annotated[bool, typer.Option("--json", help="The report as JSON.")] = False,
+) -> None:
+    """Look at a scene without running it: its numbers, verdicts, and the smallest models that meet its goal."""
+    scene = load_scene(case, sets or ())
+    report = preflight(scene)
+    if as_json:
+        print(json.dumps(plain(report.as_dict()), indent=1, allow_nan=False, ensure_ascii=False))
+    else:
+        warn(scene)
+        print_preflight(report, scene, Console())
+    if report.verdict == "refuse":
+        raise SystemExit(BadInput.exit_code)
 
 
 @app.command()

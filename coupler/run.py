@@ -8,6 +8,7 @@ import time
 import uuid
 from collections.abc import Iterator
 from pathlib import Path
+from typing import Any
 
 from coupler.inprocess import inprocess_sides
 from coupler.ledger import Ledger
@@ -28,11 +29,18 @@ log = logging.getLogger("shearwater")
 
 
 def run_coupled(
-    scene: Scene, case: str, out: Path | None, threads: dict[str, int], quiet: bool, link: str = "zenoh"
+    scene: Scene,
+    case: str,
+    out: Path | None,
+    threads: dict[str, int],
+    quiet: bool,
+    link: str = "zenoh",
+    preflight: dict[str, Any] | None = None,
 ) -> Record:
     """Couple the two sides of `scene`; returns the finished record.
 
-    `link`: "zenoh" for two processes, "inprocess" for both sides in this one.
+    `link`: "zenoh" for two processes, "inprocess" for both sides in this one. `preflight`: what the record is to hold
+    of it beside what the two sides say of themselves.
     """
     for side in ("fluid", "solid"):
         if getattr(scene, side) is None:
@@ -48,6 +56,7 @@ def run_coupled(
         _logging_to(run_dir / "log"),
         _sides(scene, threads, link, run, run_dir) as both,
     ):
+        record.preflight |= preflight or {}
         _couple(scene, both["fluid"], both["solid"], record)
     return record
 

@@ -119,7 +119,7 @@ def write_result(run_dir: Path, result: Mapping[str, Any]) -> Path:
     unfinished = path.with_suffix(".json.tmp")
     try:
         with unfinished.open("w", encoding="utf-8") as file:
-            json.dump(_plain(result), file, indent=1, allow_nan=False, ensure_ascii=False)
+            json.dump(plain(result), file, indent=1, allow_nan=False, ensure_ascii=False)
             file.write("\n")
             file.flush()
             os.fsync(file.fileno())
@@ -132,14 +132,14 @@ def write_result(run_dir: Path, result: Mapping[str, Any]) -> Path:
     return path
 
 
-def _plain(value: Any) -> Any:
-    """`value` in the types of JSON."""
+def plain(value: Any) -> Any:
+    """`value` in the types of JSON: what is not finite becomes None."""
     if isinstance(value, Mapping):
-        return {str(key): _plain(item) for key, item in value.items()}
+        return {str(key): plain(item) for key, item in value.items()}
     if isinstance(value, np.ndarray | np.generic):
-        return _plain(value.tolist())
+        return plain(value.tolist())
     if isinstance(value, list | tuple):
-        return [_plain(item) for item in value]
+        return [plain(item) for item in value]
     if isinstance(value, float) and not math.isfinite(value):
         return None
     if isinstance(value, Path):

@@ -1,0 +1,88 @@
+"""Predicted cost of a run in core-seconds: steps × (time per step + time per particle), on a machine like the one the
+table was measured on, times how much slower this one is, which a short calibration tells.
+
+The table: one core of an AVX-512 machine shared with others, processor time of solvers run alone at 1.7 k to 51 k fluid
+and 0.5 k to 6.7 k solid particles.
+"""
+
+from __future__ import annotations
+
+import math
+import time
+from dataclasses import dataclass
+
+import numpy as np
+
+from coupler.preflight_numbers import Numbers
+from coupler.preflight_window import expected_window
+from shared.schema import Scene
+from shared.sides import probe_rows
+
+STEP_S = {"ctvf": 5e-5, "wcsph": 8e-5, "still": 1e-4, "column": 1e-4}
+"""Per fluid step, whatever its size."""
+PARTICLE_S = {"ctvf": 3.0e-7, "wcsph": 2.1e-7, "still": 0.0, "column": 0.0}
+"""Per fluid particle and step, Wendland C2 at h = 1.3 dx; others in proportion to their neighbours."""
+SOLID_STEP_S = {"total-lagrangian": 3e-6, "ctvf": 5e-5, "beam": 3e-5, "rigid": 2e-5, "spring": 5e-5}
+SOLID_PARTICLE_S = {"total-lagrangian": 7.5e-8, "ctvf": 8e-7, "beam": 2.5e-7, "rigid": 0.0, "spring": 0.0}
+WINDOW_S = 4e-4
+"""Per coupling window, both sides: messages, bookkeeping."""
+START_S = 1.6
+"""Per process, before its first step: loading libraries and compiled code."""
+_NEIGHBOURS_RADIUS = 2.6  # support over dx of the table's fluid
+_DEVELOPED = 1.0 / 10.0  # mean speed of a flow over c0 beyond that at t = 0
+_CALIBRATION_S = 0.15
+_REFERENCE_LOOPS_PER_S = 2.36e5
+_LOOP_POINTS = 1000  # stays in the first cache
+
+
+@dataclass(frozen=True)
+class Cost:
+    """Predicted: `core_s` of processor time of both sides, of which `start_s` is spent before the first step."""
+
+    core_s: float
+    start_s: float
+    fluid_steps: float
+    solid_steps: float
+    windows: float
+
+
+def predicted_cost(scene: Scene, n: Numbers, slower: float = 1.0) -> Cost:
+    """Cost of the scene on a machine `slower` times slower than the table's."""
+    window = expected_window(scene, n)
+    rows = max(probe_rows(scene), scene.output.frames)
+    windows = rows if window is None else max(1.0, scene.end_time / window)
+    length = scene.end_time / windows
+    fluid_steps = solid_steps = work = 0.0
+    if n.water is not None:
+        fluid_steps = windows * math.ceil(length / _developed_step(n) * (1.0 - 1e-9))
+        work += fluid_steps * (STEP_S[n.water.model] + PARTICLE_S[n.water.model] * _weighted(n))
+    if n.plate is not None:
+        solid_steps = windows * math.ceil(length / n.plate.step * (1.0 - 1e-9))
+        model = n.plate.model
+        work += solid_steps * (SOLID_STEP_S[model] + SOLID_PARTICLE_S[model] * n.plate.particles)
+    sides = (n.water is not None) + (n.plate is not None)
+    work += windows * WINDOW_S * (1.0 if sides == 2 else 0.3)
+    return Cost(slower * (work + sides * START_S), slower * sides * START_S, fluid_steps, solid_steps, windows)
+
+
+def _developed_step(n: Numbers) -> float:
+    return n.water.step if n.water.rests else n.water.step / (1.0 + _DEVELOPED)
+
+
+def _weighted(n: Numbers) -> float:
+    """Particles, weighted by their number of neighbours."""
+    return n.water.particles * (n.water.support / n.water.dx / _NEIGHBOURS_RADIUS) ** 2
+
+
+def calibrate() -> float:
+    """How many times slower than the table's machine this one is now, by a short loop of floating-point work."""
+    x = np.linspace(0.1, 1.0, _LOOP_POINTS)
+    loops, begun = 0, time.process_time()
+    while time.process_time() - begun < _CALIBRATION_S:
+        for _ in range(100):
+            y = x * x + 1.0
+            np.multiply(y, y, out=y)
+            np.sqrt(y, out=y)
+            np.divide(x, y, out=y)
+        loops += 100
+    return _REFERENCE_LOOPS_PER_S / (loops / (time.process_time() - begun))

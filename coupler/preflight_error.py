@@ -1,0 +1,112 @@
+"""Bounds of the error that a choice of models and resolution makes in the scene's goal, relative, and what they add.
+
+Each part is measured on cases with a known answer (cases/results/structures.md and README.md), with a margin of 1.2 to
+2.5 over the worst found; n particles across, t/L thickness over length, ν Poisson's ratio, dx spacing of the fluid.
+
+    beam               0.75 (t/L)² + 1.5 × stretch along its axis      plate_step_load, oscillating_plate
+    total-lagrangian   (0.08 + 0.15 ν)/n                                udl_beam at 6 … 20 across, ν 0 … 0.47
+    solid ctvf         (0.15 + 0.15 ν)/n quadratic, 0.5/n linear, 4.5/n printed gradient
+    still              0.1 %
+    column             0.1 % of a mean or under a rigid body; 30 % of the swing of a plate that bends, whose water flows
+                       sideways too (share of the first mode, coupler/preflight_numbers.py)
+    water at rest      dx/H (ctvf), 3 dx/H (wcsph)                      still_tank, soft_plate, hydrostatic_plate
+    flow               6 dx/d, d the least extent of the water at t = 0  dam_break, dam_break_plate
+
+A period or a time of a peak feels half the error of a stiffness. A mean feels what is left of the start-up swing.
+"""
+
+from __future__ import annotations
+
+import math
+
+from coupler.preflight_numbers import Numbers
+from coupler.preflight_rules import HELMHOLTZ_REFUSE, PARTICLE_FLUIDS, STEADY
+from shared.schema import RIGID_MODELS, Scene
+
+Parts = dict[str, float]
+
+BEAM_SHAPE, BEAM_STRETCH = 0.75, 1.5
+LAGRANGIAN = (0.08, 0.15)
+UPDATED = {"quadratic": (0.15, 0.15), "linear": (0.5, 0.0), "printed": (4.5, 0.0)}
+STILL = 1e-3
+COLUMN = 0.3
+REST = {"ctvf": 1.0, "wcsph": 3.0}
+FLOW = 6.0
+KEPT = {"total-lagrangian": 1e-12, "spring": 1e-12, "rigid": 1e-12, "beam": 1e-3, "ctvf": 1e-2}
+"""What a model loses of a momentum, or of a stress carried round, that physics keeps."""
+BEAM_CONSERVES = ("momentum-x", "momentum-y", "angular-momentum")
+TIMES = ("period", "t_min", "t_max")
+UNKNOWN = math.inf
+
+
+def error_parts(scene: Scene, n: Numbers) -> Parts:
+    """The bounds by source; their sum bounds the error of the goal. Empty without a goal."""
+    if scene.goal is None:
+        return {}
+    parts = {}
+    if n.plate is not None:
+        parts[scene.solid.model] = _solid(scene, n)
+    if n.water is not None:
+        parts[f"fluid {scene.fluid.model}"] = _fluid(scene, n)
+    swing = _swing(scene, n)
+    if swing > 0.0:
+        parts["start-up swing in the mean"] = swing
+    return parts
+
+
+def error_bound(scene: Scene, n: Numbers) -> float | None:
+    """Bound of the goal's relative error; None without a goal, infinite where the choice cannot do it."""
+    parts = error_parts(scene, n)
+    return sum(parts.values()) if parts else None
+
+
+def _solid(scene: Scene, n: Numbers) -> float:
+    plate, solid = n.plate, scene.solid
+    if scene.goal.statistic == "change":
+        return KEPT[plate.model]
+    if plate.model in RIGID_MODELS:
+        return 0.0
+    nu = solid.poisson_ratio
+    if plate.model == "beam":
+        bound = BEAM_SHAPE * (plate.thickness / plate.length) ** 2 + BEAM_STRETCH * plate.stretch
+    else:
+        base, slope = LAGRANGIAN if plate.model == "total-lagrangian" else UPDATED[solid.gradient]
+        bound = (base + slope * nu) / plate.across
+    return bound * (0.5 if scene.goal.statistic in TIMES else 1.0)
+
+
+def _fluid(scene: Scene, n: Numbers) -> float:
+    water, steady = n.water, scene.goal.statistic in STEADY
+    if water.model == "still":
+        return STILL if water.rests and steady else UNKNOWN
+    if water.model not in PARTICLE_FLUIDS:
+        bends = n.plate is not None and n.plate.model not in RIGID_MODELS
+        return (STILL if steady or not bends else COLUMN) if water.rests else UNKNOWN
+    if water.rests:
+        if not steady and _radiates(n):
+            return UNKNOWN
+        return REST[water.model] * water.dx / water.height
+    return FLOW * water.dx / water.width
+
+
+def _radiates(n: Numbers) -> bool:
+    """Whether sound crosses the water too slowly for the plate to feel its mass."""
+    if n.joint is None or n.joint.wet_frequency is None:
+        return False
+    return 2.0 * math.pi * n.joint.wet_frequency * n.joint.depth / n.water.sound_speed > HELMHOLTZ_REFUSE
+
+
+def _swing(scene: Scene, n: Numbers) -> float:
+    """What a swing from rest about the answer leaves in a mean from `average_from` on.
+
+    The first mode swings as exp(−η t/2) cos ωt; its mean over N radians is at most 1/N of the amplitude then. Water of
+    particles takes the swing away itself.
+    """
+    plate = n.plate
+    if plate is None or plate.frequency is None or scene.goal.statistic not in STEADY:
+        return 0.0
+    if n.water is not None and n.water.model in PARTICLE_FLUIDS:
+        return 0.0
+    start = scene.output.average_from
+    radians = 2.0 * math.pi * plate.frequency * (scene.end_time - start)
+    return math.exp(-0.5 * plate.damping * start) / max(radians, 1.0)

@@ -1,0 +1,232 @@
+"""The ladder of model pairs for a scene's goal: what each would cost, how well it would do, and which is the smallest.
+
+For each pair the coarsest resolution is sought whose error bound (preflight_error.py) meets the goal; the smallest pair
+is the one of least expected cost on the table's machine (preflight_cost.py), so that nothing timed decides.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, field
+from typing import Literal, get_args
+
+from coupler.preflight_cost import Cost, predicted_cost
+from coupler.preflight_error import Parts, error_parts
+from coupler.preflight_numbers import Numbers, scene_numbers
+from coupler.preflight_rules import (
+    ACROSS_WARN,
+    PARTICLE_FLUIDS,
+    STEADY,
+    SUPPORT_WARN,
+    WATER_ACROSS_WARN,
+    helmholtz,
+)
+from shared.scene_checks import check_scene
+from shared.schema import PARTICLE_MODELS, RIGID_MODELS, Fluid, Scene, Solid
+
+Standing = Literal["smallest", "enough", "not enough", "cannot"]
+
+FLUIDS = ("still", "column", "wcsph", "ctvf")
+SOLIDS = ("rigid", "spring", "beam", "total-lagrangian", "ctvf")
+"""Both sides' rungs, the smallest first."""
+
+REFINEMENTS = (2.0, 1.5, 1.25, 1.0, 0.8, 2 / 3, 0.5, 0.4, 1 / 3, 0.25, 0.2, 1 / 6, 0.125, 0.1, 0.075, 0.05, 0.025)
+"""Spacings tried, over the scene's own."""
+
+_DAMPING_RATIO = 0.7  # of the first mode: brings a static answer to rest within a period
+_RIGID_SHARE = 10.0  # error of the flow per deflection over depth, when an elastic body is held rigid
+
+
+@dataclass(frozen=True)
+class Rung:
+    """One pair at one resolution: `sets` make it from the scene; `error` bounds the goal's, made of `parts`."""
+
+    fluid: str | None
+    solid: str | None
+    standing: Standing
+    reason: str
+    scene: Scene = field(repr=False)
+    sets: tuple[str, ...] = ()
+    error: float = math.inf
+    parts: Parts = field(default_factory=dict)
+    cost: Cost | None = None
+
+    @property
+    def name(self) -> str:
+        """Both models in words."""
+        return " + ".join(filter(None, (self.fluid, self.solid)))
+
+
+def ladder(scene: Scene) -> list[Rung]:
+    """All pairs for the scene's goal, the smallest first; the one to take has standing "smallest"."""
+    if scene.goal is None:
+        return []
+    fluids, solids = ({model: _cannot(scene, side, model) for model in known} for side, known in _rungs(scene))
+    rungs = [_rung(scene, fluid, solid, fluids[fluid] or solids[solid]) for fluid in fluids for solid in solids]
+    enough = [rung for rung in rungs if rung.standing == "enough"]
+    if not enough:
+        return rungs
+    best = min(enough, key=lambda rung: rung.cost.core_s)
+    return [_placed(rung, best) for rung in rungs]
+
+
+def smallest(rungs: list[Rung]) -> Rung | None:
+    """The rung to take, if any is enough."""
+    return next((rung for rung in rungs if rung.standing == "smallest"), None)
+
+
+def _placed(rung: Rung, best: Rung) -> Rung:
+    """The rung with its reason, seen from the best one."""
+    if rung.standing != "enough":
+        return rung
+    if rung is best:
+        return _replace(rung, standing="smallest", reason=f"bound {_percent(rung.error)} at the least cost")
+    more = (rung.cost.core_s - rung.cost.start_s) / max(best.cost.core_s - best.cost.start_s, 1e-9)
+    return _replace(rung, reason=f"not needed: {more:.2g} times the stepping of {best.name}")
+
+
+def _replace(rung: Rung, **changes) -> Rung:
+    return Rung(**{**rung.__dict__, **changes})
+
+
+def _rungs(scene: Scene) -> tuple[tuple[str, list], tuple[str, list]]:
+    """The models to try on each side; None alone for a side that is absent."""
+    fluids, solids = [None], [None]
+    if scene.fluid is not None:
+        fluids = [name for name in FLUIDS if name in get_args(Fluid.model_fields["model"].annotation)]
+    if scene.solid is not None and scene.solid.model in RIGID_MODELS:
+        solids = [scene.solid.model]
+    elif scene.solid is not None:
+        solids = [name for name in SOLIDS if name in get_args(Solid.model_fields["model"].annotation)]
+    return ("fluid", fluids), ("solid", solids)
+
+
+def _rung(scene: Scene, fluid: str | None, solid: str | None, why: str) -> Rung:
+    """The pair at the coarsest resolution that meets the goal, or `why` it cannot."""
+    base, sets = _with_models(scene, fluid, solid)
+    if why:
+        return Rung(fluid, solid, "cannot", why, base, sets)
+    best: Rung | None = None
+    for factor in REFINEMENTS if _has_particles(base) else (1.0,):
+        tried, spacing = _refined(base, factor)
+        numbers = scene_numbers(tried)
+        if factor != 1.0 and not _fits(numbers):
+            continue
+        for damped, more in _dampings(tried, numbers):
+            rung = _judged(damped, fluid, solid, (*sets, *spacing, *more))
+            if rung.error <= scene.goal.error:
+                return rung
+            best = rung if best is None or rung.error < best.error else best
+    return best
+
+
+def _judged(scene: Scene, fluid: str | None, solid: str | None, sets: tuple[str, ...]) -> Rung:
+    numbers = scene_numbers(scene)
+    parts = error_parts(scene, numbers)
+    if scene.solid is not None and scene.solid.model == "rigid" and numbers.joint is not None:
+        parts["held rigid"] = _held_rigid(scene, numbers)
+    error, goal = sum(parts.values()), scene.goal.error
+    standing, reason = "enough", ""
+    if error > goal:
+        standing = "not enough"
+        worst = max(parts, key=parts.get)
+        if math.isinf(error):
+            reason = _unable(scene, numbers, worst)
+        else:
+            reason = f"bound {_percent(error)} above the goal's {_percent(goal)}, most of it by {worst}"
+    return Rung(fluid, solid, standing, reason, scene, sets, error, parts, predicted_cost(scene, numbers))
+
+
+def _unable(scene: Scene, n: Numbers, worst: str) -> str:
+    """Why a pair has no bound at all."""
+    what = scene.goal.statistic
+    if n.water is not None and worst.startswith("fluid"):
+        if n.water.model in PARTICLE_FLUIDS:
+            found = helmholtz(scene, n)
+            return f"the low sound speed cannot resolve a {what}: {found.reason}"
+        if not n.water.rests:
+            return "the water is not at rest: nothing holds it where it stands, or it starts moving"
+        if what not in STEADY:
+            return f"a {what} feels the mass of the water that moves along, which {n.water.model} leaves out"
+    return f"{worst} does not express the goal"
+
+
+def _with_models(scene: Scene, fluid: str | None, solid: str | None) -> tuple[Scene, tuple[str, ...]]:
+    changes, sets = {}, []
+    for side, model in (("fluid", fluid), ("solid", solid)):
+        part = getattr(scene, side)
+        if model is not None and part.model != model:
+            update = {"model": model}
+            if model == "ctvf" and side == "solid":
+                update["gradient"] = "quadratic"
+                sets.append("solid.gradient=quadratic")
+            changes[side] = part.model_copy(update=update)
+            sets.append(f"{side}.model={model}")
+    return (scene.model_copy(update=changes) if changes else scene), tuple(sets)
+
+
+def _cannot(scene: Scene, side: str, model: str | None) -> str:
+    """Why a model cannot express its side of the scene at all; empty if it can."""
+    solid, goal = scene.solid, scene.goal
+    if side == "solid" and model in RIGID_MODELS and solid.model not in RIGID_MODELS:
+        probe = next((p for p in scene.probes if p.name == goal.probe), None)
+        if probe is None or probe.body in {body.name for body in solid.bodies} or model == "spring":
+            return "the goal is how an elastic body deforms"
+    if model == "column" and solid is None:
+        return "columns stand on a structure, and there is none"
+    changed, _ = _with_models(scene, *((model, None) if side == "fluid" else (None, model)))
+    mistakes = check_scene(changed) if changed is not scene else []
+    return mistakes[0].replace("\n", " ") if mistakes else ""
+
+
+def _held_rigid(scene: Scene, n: Numbers) -> float:
+    elastic = scene_numbers(scene.model_copy(update={"solid": scene.solid.model_copy(update={"model": "beam"})}))
+    bent = elastic.plate.deflection if elastic.plate.deflection is not None else 0.0
+    return _RIGID_SHARE * bent / n.joint.depth
+
+
+def _has_particles(scene: Scene) -> bool:
+    fluid = scene.fluid is not None and scene.fluid.model in PARTICLE_FLUIDS
+    return fluid or (scene.solid is not None and scene.solid.model in PARTICLE_MODELS)
+
+
+def _refined(scene: Scene, factor: float) -> tuple[Scene, tuple[str, ...]]:
+    """The scene with the spacings of both sides times `factor`."""
+    if factor == 1.0:
+        return scene, ()
+    changes, sets = {}, []
+    for side in ("fluid", "solid"):
+        part = getattr(scene, side)
+        if part is not None:
+            dx = float(f"{part.dx * factor:.4g}")
+            changes[side] = part.model_copy(update={"dx": dx})
+            sets.append(f"{side}.dx={dx:g}")
+    return scene.model_copy(update=changes), tuple(sets)
+
+
+def _fits(n: Numbers) -> bool:
+    """Whether a resolution is fine enough for the rules that warn."""
+    if n.water is not None and n.water.model in PARTICLE_FLUIDS:
+        if n.water.width / n.water.dx < WATER_ACROSS_WARN:
+            return False
+        if n.plate is not None and n.plate.thickness / n.water.support < SUPPORT_WARN:
+            return False
+    least = ACROSS_WARN if n.plate is not None and n.plate.model in PARTICLE_MODELS else 2.0
+    return n.plate is None or n.plate.across >= least * (1.0 - 1e-9)
+
+
+def _dampings(scene: Scene, n: Numbers):
+    """The scene as it is, and damped to rest where the goal is a mean that only the start-up swing disturbs."""
+    yield scene, ()
+    plate = n.plate
+    alone = n.water is None or n.water.model not in PARTICLE_FLUIDS
+    if plate is None or plate.frequency is None or not alone or scene.goal.statistic not in STEADY:
+        return
+    damping = float(f"{2.0 * _DAMPING_RATIO * 2.0 * math.pi * plate.frequency:.3g}")
+    if damping > plate.damping and scene.output.average_from > 0.0:
+        solid = scene.solid.model_copy(update={"damping": damping})
+        yield scene.model_copy(update={"solid": solid}), (f"solid.damping={damping:g}",)
+
+
+def _percent(value: float) -> str:
+    return f"{100.0 * value:.2g} %"

@@ -1,0 +1,153 @@
+"""The structure's part of pre-flight: its thinnest body as a plate, from the scene alone."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+
+from coupler.preflight_water import UPWARD, Water, area, edge_samples
+from shared.geometry import contains, own_box
+from shared.regions import axes_of
+from shared.schema import RIGID_MODELS, Body, Scene
+
+COURANT_UPDATED = {"printed": 0.7, "linear": 0.7, "quadratic": 0.45}  # over dx/c_p, model ctvf
+LIMIT_CLAMPED = 0.73  # largest stable step of total-lagrangian over dx/c_p, without viscosity, both ends clamped
+LIMIT_FREE = (0.675, -0.23)  # the same with a free corner, at ν = 0 and per ν
+SHARE_LAGRANGIAN = 0.85  # of its limit, that "auto" takes
+BEAM_STEPS_PER_PERIOD = 100  # of the first mode
+FIRST_ROOT = {0: 4.730041, 1: 1.875104, 2: 4.730041}  # βL of a thin beam's first mode by its number of clamped ends
+STATIC_FACTOR = {1: 8.0, 2: 384.0}  # k in the largest deflection q L⁴/(k D) under a uniform load
+FACES_OF_AXIS = (("left", "right"), ("bottom", "top"))
+_WET = 0.5  # of a face's samples before which water stands, from which it counts as wetted
+
+
+@dataclass(frozen=True)
+class Plate:
+    """The thinnest body of the solid. `frequency` [1/s], `deflection` [m]: of a slender body under the scene's loads,
+    None where nothing bends; `stretch`: strain along its length under them; `wet`: number of its long faces with water
+    before them at t = 0."""
+
+    name: str
+    model: str
+    density: float
+    thickness: float
+    length: float
+    across: float
+    clamps: int
+    wave_speed: float
+    stiffness: float
+    frequency: float | None
+    deflection: float | None
+    stretch: float
+    wet: int
+    particles: float
+    step: float
+    damping: float
+
+
+def measure_plate(scene: Scene, water: Water | None) -> Plate:
+    solid = scene.solid
+    body = min(solid.bodies, key=lambda one: float(np.min(np.subtract(*own_box(one)[::-1]))))
+    extent = np.subtract(*own_box(body)[::-1])
+    axis = int(extent[1] > extent[0])  # of the length
+    thickness, length = float(extent[1 - axis]), float(extent[axis])
+    ends = sum(c.body == body.name and c.face in FACES_OF_AXIS[axis] for c in solid.clamps)
+    elastic = solid.youngs_modulus is not None and solid.model not in RIGID_MODELS
+    nu, modulus = solid.poisson_ratio, solid.youngs_modulus or math.inf
+    stiffness = modulus * thickness**3 / (12.0 * (1.0 - nu**2))
+    wave = math.sqrt(modulus * (1.0 - nu) / ((1.0 + nu) * (1.0 - 2.0 * nu)) / solid.density)
+    frequency = deflection = None
+    if elastic:
+        frequency = (
+            FIRST_ROOT[ends] ** 2 / (2.0 * math.pi * length**2) * math.sqrt(stiffness / solid.density / thickness)
+        )
+    axes = axes_of(body.rotate)
+    wet = _wetted(scene, body, axis) if water is not None else 0
+    if elastic and ends:
+        load = _load(scene, body, axis, axes[1 - axis], water, wet)
+        deflection = load * length**4 / (STATIC_FACTOR[ends] * stiffness)
+    return Plate(
+        name=body.name,
+        model=solid.model,
+        density=solid.density,
+        thickness=thickness,
+        length=length,
+        across=thickness / solid.dx,
+        clamps=ends,
+        wave_speed=wave,
+        stiffness=stiffness,
+        frequency=frequency,
+        deflection=deflection,
+        stretch=_pull(scene, body, axis, axes[axis]) * (1.0 - nu**2) / modulus if elastic else 0.0,
+        wet=int(wet),
+        particles=_solid_particles(scene),
+        step=_solid_step(scene, wave, frequency, ends),
+        damping=solid.damping,
+    )
+
+
+def _solid_particles(scene: Scene) -> float:
+    """Particles, or nodes of beams, that the solid steps."""
+    solid = scene.solid
+    if solid.model == "beam":
+        return sum(float(np.max(np.subtract(*own_box(body)[::-1]))) / solid.dx + 1.0 for body in solid.bodies)
+    return sum(area(body) for body in solid.bodies) / solid.dx**2
+
+
+def _solid_step(scene: Scene, wave_speed: float, frequency: float | None, clamps: int) -> float:
+    solid = scene.solid
+    if solid.model == "beam":
+        return 1.0 / (BEAM_STEPS_PER_PERIOD * frequency)
+    if solid.model in RIGID_MODELS:
+        return scene.end_time
+    if solid.courant != "auto":
+        return solid.courant * solid.dx / wave_speed
+    if solid.model == "ctvf":
+        return COURANT_UPDATED[solid.gradient] * solid.dx / wave_speed
+    limit = LIMIT_CLAMPED if clamps == 2 else LIMIT_FREE[0] + LIMIT_FREE[1] * solid.poisson_ratio
+    viscous = solid.alpha * solid.h_over_dx / 8.0  # time constant of the artificial viscosity over dx/c_p
+    return SHARE_LAGRANGIAN * (math.hypot(viscous, limit) - viscous) * solid.dx / wave_speed
+
+
+def _wetted(scene: Scene, body: Body, axis: int) -> int:
+    """Number of the body's long faces with water before half of them or more at t = 0."""
+    dx = scene.fluid.dx
+    middle, outward = edge_samples([body], dx)
+    normal = axes_of(body.rotate)[1 - axis]
+    count = 0
+    for sense in (-1.0, 1.0):
+        points = (middle + dx * outward)[outward @ normal * sense > UPWARD]
+        before = np.zeros(len(points), dtype=bool)
+        for water in scene.fluid.bodies:
+            before |= contains(water, points)
+        count += bool(before.any()) and before.mean() >= _WET
+    return count
+
+
+def _load(scene: Scene, body: Body, axis: int, normal: np.ndarray, water: Water | None, wet: int) -> float:
+    """Uniform load [Pa] on the plate along its normal, by loads, weight and water; an estimate."""
+    solid = scene.solid
+    thickness = float(np.subtract(*own_box(body)[::-1])[1 - axis])
+    load = float(np.dot(scene.gravity, normal)) * solid.density * thickness if solid.gravity else 0.0
+    for one in solid.loads:
+        if one.body == body.name:
+            along = float(np.dot(one.traction or one.acceleration, normal))
+            load += along if one.traction else along * solid.density * thickness
+    if water is None:
+        return abs(load)
+    g = math.hypot(*scene.gravity)
+    pressure = water.density * (g * water.height if water.rests else water.speed**2)
+    return abs(load) + (pressure if wet < 2 else 0.0)
+
+
+def _pull(scene: Scene, body: Body, axis: int, along: np.ndarray) -> float:
+    """Stress [Pa] along the body's length at its clamped end, by end loads and weight; an estimate."""
+    solid = scene.solid
+    length = float(np.subtract(*own_box(body)[::-1])[axis])
+    stress = float(np.dot(scene.gravity, along)) * solid.density * length if solid.gravity else 0.0
+    for one in solid.loads:
+        if one.body == body.name and one.face in FACES_OF_AXIS[axis]:
+            stress += float(np.dot(one.traction, along))
+    return abs(stress)

@@ -1,0 +1,78 @@
+"""Pre-flight on a terminal."""
+
+from __future__ import annotations
+
+import math
+
+from rich.console import Console
+from rich.markup import escape
+from rich.table import Table
+
+from coupler.preflight import Preflight
+from coupler.preflight_rules import PARTICLE_FLUIDS
+from shared.schema import Scene
+
+_COLOURS = {"ok": "green", "warn": "yellow", "refuse": "red", "smallest": "green", "enough": "", "not enough": "yellow"}
+
+
+def print_preflight(report: Preflight, scene: Scene, console: Console) -> None:
+    """The numbers, the ladder, and the verdict in words."""
+    table = Table("number", "value", "verdict", "reason, and the way out", title=f"pre-flight: {escape(scene.title)}")
+    for f in report.findings:
+        text = f"{f.reason} → {f.way_out}" if f.way_out else f.reason
+        table.add_row(f.rule, f"{f.value:.3g}", _coloured(f.verdict), escape(text))
+    console.print(table)
+    if scene.goal is None:
+        console.print("No [goal], so no model can be called enough.")
+    else:
+        _print_ladder(report, scene, console)
+    for line in verdict_lines(report, scene):
+        console.print(escape(line))
+
+
+def _print_ladder(report: Preflight, scene: Scene, console: Console) -> None:
+    goal = scene.goal
+    wanted = f"{goal.statistic} of {goal.probe} within {100 * goal.error:g} %"
+    table = Table("models", "settings", "error bound", "core-s", "standing", "reason", title=f"the ladder: {wanted}")
+    for rung in report.ladder:
+        error = f"{100 * rung.error:.2g} %" if math.isfinite(rung.error) else "–"
+        cost = f"{report.slower * rung.cost.core_s:.3g}" if rung.cost else "–"
+        spacings = "\n".join(s for s in rung.sets if ".model" not in s)
+        table.add_row(rung.name, escape(spacings), error, cost, _coloured(rung.standing), escape(rung.reason))
+    console.print(table)
+
+
+def verdict_lines(report: Preflight, scene: Scene) -> list[str]:
+    """The verdict in words: this scene's own prediction, the smallest pair, and how it is coupled."""
+    n, lines = report.numbers, []
+    bound = (
+        f", error bound {100 * report.error:.2g} %" if report.error is not None and math.isfinite(report.error) else ""
+    )
+    lines.append(f"As it stands: about {report.cost.core_s:.3g} core-seconds{bound}.")
+    choice = report.choice
+    if choice is not None:
+        sets = " ".join(f"--set {s}" for s in choice.sets)
+        lines.append(f"Smallest that meets the goal: {choice.name}{' by ' + sets if sets else ' as it stands'}.")
+    elif report.ladder:
+        closest = min((r for r in report.ladder if r.cost is not None), key=lambda r: r.error, default=None)
+        why = f": {closest.reason}" if closest is not None else ""
+        lines.append(f"No pair of models is known to meet the goal{why}.")
+    if n.joint is not None and report.window is not None:
+        lines.append(_coupling_line(report, scene))
+    return lines
+
+
+def _coupling_line(report: Preflight, scene: Scene) -> str:
+    n, window = report.numbers, report.window
+    scheme = scene.coupling.scheme
+    if scheme == "auto":
+        scheme = "implicit with iqn-ils" if n.water.boxed and n.joint.closes else "serial-explicit"
+    if n.water.model not in PARTICLE_FLUIDS:
+        return f"Coupling: {scheme}, window {window:.3g} s."
+    fluid, solid = (max(1, math.ceil(window / step * (1 - 1e-9))) for step in (n.water.step, n.plate.step))
+    return f"Coupling: {scheme}, window {window:.3g} s: {fluid} fluid steps, {solid} solid steps."
+
+
+def _coloured(word: str) -> str:
+    colour = _COLOURS.get(word, "")
+    return f"[{colour}]{word}[/{colour}]" if colour else word

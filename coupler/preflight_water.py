@@ -1,0 +1,151 @@
+"""The water's part of pre-flight: what a fluid is like before it is computed, from the scene alone."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+
+from shared.geometry import contains, distance_to, outline
+from shared.kernels import kernel_named
+from shared.motion_table import MotionTable
+from shared.schema import Body, Scene, Wall
+
+MACH_AUTO = 0.1  # largest expected speed over the sound speed "auto"
+COURANT = {"ctvf": 0.8, "wcsph": 0.9}  # time step over h/(c0 + speed) that "auto" takes
+FORCE_STEP = 0.25  # of √(h/|g|)
+VISCOUS_STEP = 0.125  # of h²/ν
+_BACKED = 0.75  # of dx: a wall or body this close behind the water's face holds it
+UPWARD = 0.7  # cosine against gravity beyond which a face of the water is its free surface
+_SAMPLES = 1000  # times at which a prescribed motion's speed is looked at
+
+
+@dataclass(frozen=True)
+class Water:
+    """The fluid. `rests`: it starts at rest and held on all sides but its surface; `boxed`: on that side too."""
+
+    model: str
+    density: float
+    sound_speed: float
+    speed: float  # largest expected, m/s
+    height: float  # against gravity, m
+    width: float  # smallest extent of a body, m
+    dx: float
+    h: float
+    support: float
+    particles: float
+    step: float
+    courant: float
+    rests: bool
+    boxed: bool
+
+
+def measure_water(scene: Scene) -> Water:
+    fluid = scene.fluid
+    g = math.hypot(*scene.gravity)
+    corners = np.concatenate([outline(body).reshape(-1, 2) for body in fluid.bodies])
+    height = float(np.ptp(corners @ np.asarray(scene.gravity))) / g if g else float(np.ptp(corners[:, 1]))
+    start = max(math.hypot(*body.velocity) for body in fluid.bodies)
+    walls = max((_wall_speed(wall) for wall in scene.walls), default=0.0)
+    speed = max(math.sqrt(2.0 * g * height + start**2), walls)
+    sound = speed / MACH_AUTO if fluid.sound_speed == "auto" else fluid.sound_speed
+    h = fluid.h_over_dx * fluid.dx
+    support = kernel_named(fluid.kernel).support * h
+    courant = COURANT.get(fluid.model, 1.0) if fluid.courant == "auto" else fluid.courant
+    still = start == 0.0 and walls == 0.0
+    open_sides, open_top = unbacked(scene)
+    return Water(
+        model=fluid.model,
+        density=fluid.density,
+        sound_speed=sound,
+        speed=speed,
+        height=height,
+        width=min(float(np.ptp(outline(body).reshape(-1, 2), axis=0).min()) for body in fluid.bodies),
+        dx=fluid.dx,
+        h=h,
+        support=support,
+        particles=_fluid_particles(scene, support),
+        step=_fluid_step(scene, courant, h, sound + start, g),
+        courant=courant,
+        rests=still and not open_sides,
+        boxed=still and not open_sides and not open_top,
+    )
+
+
+def _wall_speed(wall: Wall) -> float:
+    """Largest speed [m/s] of a moving wall's corners."""
+    if wall.motion is None:
+        return 0.0
+    table, corners = MotionTable(wall.motion), np.asarray(wall.polyline, dtype=float)
+    reach = float(np.hypot(*(corners - table.about).T).max())
+    rates = [table.at(time)[1] for time in np.linspace(0.0, wall.motion.times[-1], _SAMPLES)]
+    return max(math.hypot(x, y) + reach * abs(turn) for x, y, turn in rates)
+
+
+def _fluid_step(scene: Scene, courant: float, h: float, fastest: float, g: float) -> float:
+    """Least of the acoustic, viscous and force limits [s]."""
+    step = courant * h / fastest if fastest > 0.0 else math.inf
+    if scene.fluid.viscosity > 0.0:
+        step = min(step, VISCOUS_STEP * h**2 / scene.fluid.viscosity)
+    return min(step, FORCE_STEP * math.sqrt(h / g)) if g else step
+
+
+def _fluid_particles(scene: Scene, support: float) -> float:
+    """Fluid, wall and structure particles that a fluid of particles steps."""
+    dx = scene.fluid.dx
+    layers = math.ceil(support / dx)
+    count = sum(area(body) for body in scene.fluid.bodies) / dx**2
+    count += sum(_length(wall) for wall in scene.walls) / dx * layers
+    for body in scene.solid.bodies if scene.solid else []:
+        edge = float(np.hypot(*np.diff(outline(body), axis=1)[:, 0].T).sum())
+        count += min(area(body) / dx**2, edge / dx * layers)
+    return count
+
+
+def area(body: Body) -> float:
+    """Area [m²] inside the outline, which has the body on its left."""
+    start, end = outline(body).transpose(1, 0, 2)
+    return 0.5 * float(np.sum(start[:, 0] * end[:, 1] - start[:, 1] * end[:, 0]))
+
+
+def _length(wall: Wall) -> float:
+    corners = [*wall.polyline, wall.polyline[0]] if wall.closed else wall.polyline
+    return float(np.hypot(*np.diff(np.asarray(corners, dtype=float), axis=0).T).sum())
+
+
+def unbacked(scene: Scene) -> tuple[bool, bool]:
+    """Whether sides or bottom of the water, and whether its surface, have nothing behind them."""
+    g = np.asarray(scene.gravity, dtype=float)
+    up = -g / np.hypot(*g) if g.any() else np.zeros(2)
+    dx = scene.fluid.dx
+    middle, outward = edge_samples(scene.fluid.bodies, dx)
+    near = np.full(len(middle), np.inf)
+    for segments in _faces_behind(scene):
+        near = np.minimum(near, distance_to(segments, middle))
+    for other in scene.fluid.bodies:  # water behind water holds it too
+        inside = distance_to(outline(other), middle + outward * dx) > 0.5 * dx
+        near[inside & contains(other, middle + outward * dx)] = 0.0
+    free = near > _BACKED * dx
+    surface = outward @ up > UPWARD
+    return bool(np.any(free & ~surface)) and bool(g.any()), bool(np.any(free & surface)) or not g.any()
+
+
+def edge_samples(bodies, dx: float) -> tuple[np.ndarray, np.ndarray]:
+    """Points (n, 2) every dx or less along the outlines, and the outward normals there."""
+    points, normals = [], []
+    for start, end in np.concatenate([outline(body) for body in bodies]):
+        length = float(np.hypot(*(end - start)))
+        count = max(1, math.ceil(length / dx))
+        share = (np.arange(count) + 0.5)[:, None] / count
+        along = (end - start) / length
+        points.append(start + share * (end - start))
+        normals.append(np.tile([along[1], -along[0]], (count, 1)))
+    return np.concatenate(points), np.concatenate(normals)
+
+
+def _faces_behind(scene: Scene) -> list[np.ndarray]:
+    """Segments (k, 2, 2) of the walls and of the solid's bodies."""
+    chains = [np.asarray([*w.polyline, w.polyline[0]] if w.closed else w.polyline, dtype=float) for w in scene.walls]
+    walls = [np.stack([corners[:-1], corners[1:]], axis=1) for corners in chains]
+    return walls + [outline(body) for body in (scene.solid.bodies if scene.solid else [])]
