@@ -535,6 +535,26 @@ class Domain(Table):
     upper: Pair = key(unit="m", about="upper right corner")
 
 
+class Family(Table):
+    """Variants of one kind, a line on the chart: every combination of one setting of each axis."""
+
+    name: str = key(about="what the line is called")
+    sets: list[str] = key([], about="what all its variants change, each path.to.key=value as after --set")
+    vary: list[list[list[str]]] = key(
+        [], about="axes; an axis is a list of settings; a setting is a list of path.to.key=value"
+    )
+
+
+class Study(Table):
+    """What `coupler chart` runs: variants of the scene, judged by the goal's probe and statistic."""
+
+    truth: str | None = key(
+        None, about="name of the reference that errors are measured against; absent: the finest variant that was run"
+    )
+    sets: list[str] = key([], about="what all variants change, each path.to.key=value as after --set")
+    families: list[Family] = key(about="kinds of variants", min_length=1)
+
+
 class Scene(Table):
     """A whole scene file."""
 
@@ -558,6 +578,6 @@ class Scene(Table):
     references: list[Reference] = key([], about="what probes are compared with")
     goal: Goal | None = key(None, about="what is accurate enough")
     output: Output = key(Output(), about="what is written")
-    study: dict[str, Any] = key({}, about="variants for charts; kept, not used by a run")
+    study: Study | None = key(None, about="variants for `coupler chart`; not used by a run")
 
     model_config = ConfigDict(extra="forbid", frozen=True, allow_inf_nan=False, populate_by_name=True)
