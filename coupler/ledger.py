@@ -11,18 +11,20 @@ Per window, with F̄ the mean forces, Δx the windows' displacements:
 
 from __future__ import annotations
 
-import csv
 from pathlib import Path
 
 import numpy as np
 
+from coupler.schemes import Outcome
 from shared.clock import Window
-from shared.contract import Kinematics, Loads
+from shared.contract import SolverFailed
+from shared.schema_coupling import Limits
 
 COLUMNS = (
     "window",
     "t",
     "iterations",
+    "change",
     "force_fluid_x",
     "force_fluid_y",
     "force_mapped_x",
@@ -39,13 +41,33 @@ COLUMNS = (
 )
 
 
-class Ledger:
-    """Writes `ledger.csv`, one row per accepted window, and keeps the sums."""
+_PATIENCE = 20
+"""Windows in a row past a limit that stop the run: in the first windows, and when water hits, lag is all there is."""
+_WAYS_OUT = {
+    "energy": (
+        "Energy is made or lost at the interface: the window is too long for this water and this structure. Set "
+        'coupling.scheme = "serial-implicit", shorten coupling.window'
+    ),
+    "impulse": (
+        "The structure takes another impulse than the water gives: the load used lags behind the load found. Shorten "
+        'coupling.window, set coupling.scheme = "serial-implicit"'
+    ),
+    "mapping": "The map between the two sides loses force, which it must not: check solid.dx and fluid.dx",
+}
 
-    def __init__(self, path: Path):
-        self._file = path.open("w", newline="")
-        self._writer = csv.writer(self._file)
-        self._writer.writerow(COLUMNS)
+
+class LedgerExceeded(SolverFailed):
+    """What crossed the interface no longer balances; the text says what, by how much, and the way out."""
+
+
+class Ledger:
+    """Writes `ledger.csv`, one row per accepted window, and keeps the sums; stops the run past a limit."""
+
+    def __init__(self, path: Path, limits: Limits):
+        self._limits = limits
+        self._past = 0
+        self._file = path.open("w", newline="\n", encoding="utf-8")
+        self._file.write(",".join(COLUMNS) + "\n")
         self._impulse_fluid = np.zeros(2)
         self._impulse_structure = np.zeros(2)
         self._work = 0.0
@@ -54,35 +76,44 @@ class Ledger:
         self._largest_impulse = 0.0
         self._mapping_error = 0.0
 
-    def record(
-        self,
-        window: Window,
-        iterations: int,
-        used: Loads,
-        mapped: Loads,
-        found: Loads,
-        points: tuple[Kinematics, Kinematics],
-        ghosts: tuple[Kinematics, Kinematics],
-    ) -> None:
-        """One accepted window.
-
-        `used`: loads on the points under which the structure moved; `found`: loads on the ghosts that the fluid
-        answered with; `mapped`: these on the points. `points`, `ghosts`: motion at the window's start and end.
-        """
+    def record(self, window: Window, outcome: Outcome) -> None:
+        """One accepted window. Raises LedgerExceeded past a limit."""
+        used, found, mapped = outcome.used, outcome.found, outcome.mapped
         forces = [loads.force.sum(axis=0) for loads in (found, mapped, used)]
         self._impulse_fluid += forces[0] * window.length
         self._impulse_structure += forces[2] * window.length
-        self._work += float(np.sum(used.force * (points[1].position - points[0].position)))
-        self._work_fluid -= float(np.sum(found.force * (ghosts[1].position - ghosts[0].position)))
-        self._largest_work = max(self._largest_work, abs(self._work))
-        self._largest_impulse = max(self._largest_impulse, float(np.linalg.norm(self._impulse_fluid)))
+        (points0, points1), (ghosts0, ghosts1) = outcome.points, outcome.ghosts
+        self._work += float(np.vdot(used.force, points1.position - points0.position))
+        self._work_fluid -= float(np.vdot(found.force, ghosts1.position - ghosts0.position))
+        self._largest_work = max(self._largest_work, abs(self._work), abs(self._work_fluid))
+        self._largest_impulse = max(self._largest_impulse, float(np.hypot(*self._impulse_fluid)))
         scale = float(np.abs(found.force).sum())
         if scale > 0.0:
             self._mapping_error = max(self._mapping_error, float(np.abs(forces[0] - forces[1]).max()) / scale)
-        sums = [*self._impulse_fluid, *self._impulse_structure]
-        work = [self._work, self._work_fluid, self._work + self._work_fluid]
-        row = [window.index, window.t1, iterations, *(c for f in forces for c in f), *sums, *work]
-        self._writer.writerow([repr(float(v)) if isinstance(v, float) else v for v in row])
+        numbers = [window.t1, outcome.changes[-1], *(c for f in forces for c in f.tolist())]
+        numbers += [*self._impulse_fluid.tolist(), *self._impulse_structure.tolist()]
+        numbers += [self._work, self._work_fluid, self._work + self._work_fluid]
+        texts = [repr(number) for number in numbers]
+        self._file.write(",".join([str(window.index), texts[0], str(len(outcome.changes)), *texts[1:]]) + "\n")
+        self._check(window)
+
+    def _check(self, window: Window) -> None:
+        """Energy and impulse count once they stay past their limits; force lost by the map counts at once."""
+        found = {
+            "energy": abs(self._work + self._work_fluid) / (self._largest_work or 1.0),
+            "impulse": float(np.hypot(*(self._impulse_structure - self._impulse_fluid)))
+            / (self._largest_impulse or 1.0),
+            "mapping": self._mapping_error,
+        }
+        past = [name for name, value in found.items() if not value <= getattr(self._limits, name)]
+        self._past = self._past + 1 if past else 0
+        if self._past >= _PATIENCE or "mapping" in past:
+            name = "mapping" if "mapping" in past else past[0]
+            raise LedgerExceeded(
+                f"the ledger is past its limit in window {window.index}, t = {window.t1:.6g} s: {name} "
+                f"{found[name]:.3g}, coupling.limits.{name} = {getattr(self._limits, name):g}. {_WAYS_OUT[name]} "
+                "or raise the limit if this is meant."
+            )
 
     def summary(self) -> dict[str, float]:
         """The sums as fractions.

@@ -1,27 +1,48 @@
-"""Prediction of the mean load of the next window from those of past windows."""
+"""Prediction of the next window's exchange from those of past windows."""
 
 from __future__ import annotations
 
 from collections import deque
 
-from shared.contract import Loads
+import numpy as np
+
+from shared.clock import Window
+from shared.contract import Exchange, Kinematics, exchange_fields
 
 _WEIGHTS = {0: (1.0,), 1: (2.0, -1.0), 2: (3.0, -3.0, 1.0)}
-"""Extrapolation of equally spaced window means, the newest first, exact for polynomials of the order."""
+"""Extrapolation of equally spaced values, the newest first, exact for polynomials of the order."""
 
 
 class Predictor:
-    """Extrapolates with polynomials of `order` 0, 1 or 2, of lower order while the past is short."""
+    """Extrapolates loads or motions with polynomials of `order` 0, 1 or 2, of lower order while the past is short."""
 
-    def __init__(self, order: int, first: Loads):
-        self._past: deque[Loads] = deque([first], maxlen=order + 1)
+    def __init__(self, order: int, first: Exchange):
+        self._past: deque[dict[str, np.ndarray]] = deque([exchange_fields(first)], maxlen=order + 1)
+        self._kind = type(first)
 
-    def predict(self) -> Loads:
-        """The load expected in the next window."""
+    def predict(self, window: Window) -> Exchange:
+        """The exchange expected in `window`, the next one. A motion ends where its mean velocity leads from the true
+        place at the window's start."""
         weights = _WEIGHTS[len(self._past) - 1]
-        pairs = list(zip(weights, self._past, strict=True))
-        return Loads(sum(w * p.pressure for w, p in pairs), sum(w * p.force for w, p in pairs))
+        expected = {
+            name: sum(w * past[name] for w, past in zip(weights, self._past, strict=True)) for name in self._past[0]
+        }
+        if self._kind is Kinematics:
+            expected["position"] = self._past[0]["position"] + window.length * expected["velocity_mean"]
+        return self._kind(**expected)
 
-    def add(self, found: Loads) -> None:
-        """Remember the load found in a window."""
-        self._past.appendleft(found)
+    def add(self, found: Exchange) -> None:
+        """Remember what a window brought."""
+        self._past.appendleft(exchange_fields(found))
+
+
+def carried_on(start: Kinematics, target: Kinematics, window: Window) -> Kinematics:
+    """The motion over `window` of points that stand where `start` left them and are to end as `target` does: its mean
+    velocity and acceleration are those of the way there, so that a predicted wall never jumps."""
+    return Kinematics(
+        target.position,
+        target.velocity,
+        target.acceleration,
+        (target.position - start.position) / window.length,
+        (target.velocity - start.velocity) / window.length,
+    )

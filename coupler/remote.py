@@ -35,6 +35,7 @@ class Remote:
         self._sequence = 0
         self._pending: Message | None = None
         self._count = 0  # interface points that travel
+        self.row: dict[str, float] | None = None  # probes of the window accepted last, when a row was due
 
     def describe(self) -> Description:
         """What the participant is."""
@@ -75,30 +76,36 @@ class Remote:
         reply = self._ask("start", info=info, fields=fields)
         return self._exchange(reply), dict(reply.info["probes"])
 
-    def begin_advance(self, window: Window, boundary: Exchange) -> None:
-        """Send the partner's data; the participant begins to integrate."""
-        self._send("advance", window=window, fields=exchange_fields(boundary))
+    def begin_advance(self, window: Window, boundary: Exchange, final: bool = False) -> None:
+        """Send the partner's data; the participant begins to integrate, and accepts at once if `final`."""
+        self._send("advance", window=window, fields=exchange_fields(boundary), info={"final": True} if final else None)
 
     def end_advance(self) -> Exchange:
         """Wait for the participant's own data at the window's end."""
-        return self._exchange(self._receive())
+        reply = self._receive()
+        self.row = reply.info.get("probes")
+        return self._exchange(reply)
 
-    def advance(self, window: Window, boundary: Exchange) -> Exchange:
+    def advance(self, window: Window, boundary: Exchange, final: bool = False) -> Exchange:
         """Integrate over the window under the partner's data; returns the participant's own."""
-        self.begin_advance(window, boundary)
+        self.begin_advance(window, boundary, final)
         return self.end_advance()
 
-    def rollback(self) -> None:
-        """Back to the window's start."""
-        self._ask("rollback")
+    def begin_rollback(self) -> None:
+        """The participant begins to go back to the window's start, bit for bit."""
+        self._send("rollback")
+
+    def end_rollback(self) -> None:
+        """Wait until it is back."""
+        self._receive()
 
     def begin_accept(self) -> None:
         """Make the window final; the participant begins to write what is due."""
         self._send("accept")
 
-    def end_accept(self) -> dict[str, float] | None:
-        """Wait for the acceptance; the probes when a row is due."""
-        return self._receive().info.get("probes")
+    def end_accept(self) -> None:
+        """Wait for the acceptance."""
+        self.row = self._receive().info.get("probes")
 
     def finish(self) -> dict[str, Any]:
         """Close the participant's files; what it cost."""

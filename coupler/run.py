@@ -10,13 +10,15 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
+from coupler.choice import make_taker
 from coupler.inprocess import inprocess_sides
 from coupler.ledger import Ledger
-from coupler.mapping import build_mapping
+from coupler.mapping import Mapping, build_mapping
+from coupler.prediction import Predictor
 from coupler.remote import Remote
-from coupler.schemes import serial_explicit
+from coupler.schemes import Coupled, probes
 from coupler.supervisor import PACKAGES, solver_processes
-from coupler.window import alpha_rate, window_length
+from coupler.window import Plan, alpha_rate, make_plan, mass_ratio
 from shared.clock import Clock
 from shared.contract import BadInput
 from shared.record import Record
@@ -70,36 +72,27 @@ def _sides(scene: Scene, threads: dict[str, int], link: str, run: str, run_dir: 
 
 
 def _couple(scene: Scene, fluid: Remote, structure: Remote, record: Record) -> None:
-    """Describe, map, start, march, finish."""
+    """Describe, map, plan, start, march, finish."""
     described_fluid, described_structure = fluid.describe(), structure.describe()
     mapping = build_mapping(described_structure, described_fluid)
-    window = window_length(scene.coupling, described_fluid, described_structure)
-    clock = Clock.fitting(scene.end_time, window)
+    r = mass_ratio(scene, described_structure)
+    plan = make_plan(scene.coupling, described_fluid, described_structure, r)
+    clock = Clock.fitting(scene.end_time, plan.window)
     record.preflight |= {
         "window": clock.window_length,
         "alpha": alpha_rate(described_fluid, described_structure) * clock.window_length,
+        "mass_ratio": r,
         "fluid_step": described_fluid.stable_step,
         "solid_step": described_structure.stable_step,
         "ghosts": len(described_fluid.position),
         "interface_points": len(mapping.selection),
     }
     log.info("window %.4g s, %d windows; pre-flight %s", clock.window_length, clock.count, record.preflight)
-    outputs = {"frames": scene.output.frames, "probe_rows": min(probe_rows(scene), clock.count)}
-    motion, first = structure.start(clock, mapping.selection, **outputs)
-    every_ghost = range(len(described_fluid.position))
-    loads, more = fluid.start(clock, every_ghost, mapping.motion(motion), **outputs)
-    record.at(0.0, first | more)
-    ledger = Ledger(record.run_dir / "ledger.csv")
+    for reason in plan.reasons:
+        log.info("%s", reason)
+    c = start(scene, clock, mapping, fluid, structure, record)
     begun = time.perf_counter()
-    try:
-        march = serial_explicit(fluid, structure, mapping, clock, motion, loads, scene.coupling.predictor, ledger)
-        for done, probes in march:
-            record.at(done.t1, probes)
-            if probes is not None:
-                ledger.flush()
-    finally:
-        ledger.close()
-        record.ledger |= ledger.summary()
+    counts = march(scene, plan, clock, c, record)
     marched = time.perf_counter() - begun
     costs = {"fluid": fluid.finish(), "solid": structure.finish()}
     working = sum(cost["busy_s"] for cost in costs.values())
@@ -107,13 +100,52 @@ def _couple(scene: Scene, fluid: Remote, structure: Remote, record: Record) -> N
         "core_s": sum(cost.pop("core_s") for cost in costs.values()),
         **costs,
         "coupling": {
-            "scheme": "serial-explicit",
+            "scheme": plan.scheme,
             "windows": clock.count,
-            "iterations_mean": 1.0,
+            **counts,
+            "reasons": plan.reasons,
             "wait_s": marched - working,
             "overhead_fraction": (marched - working) / marched,
         },
     }
+
+
+def start(scene: Scene, clock: Clock, mapping: Mapping, fluid: Remote, structure: Remote, record: Record) -> Coupled:
+    """Both sides at t = 0."""
+    options = {
+        "frames": scene.output.frames,
+        "probe_rows": min(probe_rows(scene), clock.count),
+        "rollback": not scene.coupling.scheme.endswith("explicit"),
+    }
+    points, first = structure.start(clock, mapping.selection, **options)
+    ghosts = mapping.motion(points)
+    loads, more = fluid.start(clock, range(mapping.matrix.shape[0]), ghosts, **options)
+    record.at(0.0, first | more)
+    order = scene.coupling.predictor
+    predictors = Predictor(order, mapping.loads(loads)), Predictor(order, points)
+    return Coupled(fluid, structure, mapping, points, ghosts, *predictors)
+
+
+def march(scene: Scene, plan: Plan, clock: Clock, c: Coupled, record: Record) -> dict[str, float]:
+    """All windows; returns how they were iterated."""
+    take = make_taker(plan, scene.coupling)
+    ledger = Ledger(record.run_dir / "ledger.csv", scene.coupling.limits)
+    iterations, unconverged, most = 0, 0, 0
+    try:
+        for window in map(clock.window, range(clock.count)):
+            outcome = take(c, window)
+            row = probes(c)
+            record.at(window.t1, row)
+            ledger.record(window, outcome)
+            iterations += len(outcome.changes)
+            most = max(most, len(outcome.changes))
+            unconverged += not outcome.converged
+            if row is not None:
+                ledger.flush()
+    finally:
+        ledger.close()
+        record.ledger |= ledger.summary()
+    return {"iterations_mean": iterations / clock.count, "iterations_most": most, "not_converged": unconverged}
 
 
 @contextlib.contextmanager

@@ -1,12 +1,20 @@
-"""The coupling window's length, from the stability of the lagged exchange."""
+"""What `auto` chooses before a run: the scheme, and the window's length, from the stability of the lagged exchange.
+
+α = ρ_f c Δt/(ρ_s t) and r = ρ_f H/(ρ_s t) say how much of a change of load comes back as load within a window:
+|g| ≈ min(α/2, r), the mass of the water that sound reaches, over the structure's.
+"""
 
 from __future__ import annotations
 
-from shared.contract import Description
-from shared.schema import Coupling
+import math
+from dataclasses import dataclass, field
 
-_LARGEST_ALPHA = 0.08
-"""Largest α = ρ_f c Δt/(ρ_s t) of an automatic window. On an absorbing column the serial protocol holds up to 2, 1.155
+from shared.contract import Description
+from shared.geometry import own_box
+from shared.schema import Coupling, Scene
+
+LARGEST_ALPHA = 0.08
+"""Largest α of an automatic window without iteration. On an absorbing column the serial protocol holds up to 2, 1.155
 and 0.709 for predictor order 0, 1, 2; a column that reflects sound is pumped by the lag long before: measured on 60 mm
 of water on a plate a fifth of its weight, α 0.14 grows and 0.07 decays, whatever the order."""
 _MOST_STEPS = 4
@@ -14,18 +22,63 @@ _MOST_STEPS = 4
 _SPEED_UP = 1.0 / 7.0
 """Speed over c0 that the flow is expected to reach (c0 is ten times the largest estimated, splashes are faster): the
 window holds whole steps at this speed, so that no window is cut into one step more."""
+_SHORTEST = 1.0 / 3.0
+"""Of a fluid step: before an automatic window gets shorter, iterating costs less than the steps that it would add."""
+
+
+@dataclass(frozen=True)
+class Plan:
+    """Scheme, acceleration and window [s] of a run, and why."""
+
+    scheme: str
+    acceleration: str
+    window: float
+    reasons: list[str] = field(default_factory=list)
 
 
 def alpha_rate(fluid: Description, structure: Description) -> float:
-    """α per second of window: ρ_f c/(ρ_s t) [1/s], t the thickness of the thinnest body."""
+    """α per second of window: ρ_f c/(ρ_s t) [1/s], t the thickness of the thinnest body; 0 where nothing carries
+    sound."""
     f, s = fluid.numbers, structure.numbers
-    return f["density"] * f["sound_speed"] / (s["density"] * s["thickness"])
+    return f["density"] * f.get("sound_speed", 0.0) / (s["density"] * s["thickness"])
+
+
+def mass_ratio(scene: Scene, structure: Description) -> float:
+    """r = ρ_f H/(ρ_s t), H the largest extent of the water."""
+    boxes = [own_box(body) for body in scene.fluid.bodies]
+    depth = max(float((upper - lower).max()) for lower, upper in boxes)
+    return scene.fluid.density * depth / (structure.numbers["density"] * structure.numbers["thickness"])
 
 
 def window_length(coupling: Coupling, fluid: Description, structure: Description) -> float:
-    """The window [s]: as the scene says, or `auto`: up to four fluid steps while α stays below 0.08."""
+    """The window [s] of an explicit scheme: as the scene says, or `auto`: up to four fluid steps with α ≤ 0.08."""
     if coupling.window != "auto":
         return coupling.window
     step = fluid.stable_step / (1.0 + _SPEED_UP)
-    longest = _LARGEST_ALPHA / alpha_rate(fluid, structure)
-    return step * min(int(longest / step), _MOST_STEPS) if longest > step else longest
+    rate = alpha_rate(fluid, structure)
+    longest = LARGEST_ALPHA / rate if rate > 0.0 else math.inf
+    return step * min(int(min(longest / step, _MOST_STEPS)), _MOST_STEPS) if longest > step else longest
+
+
+def make_plan(coupling: Coupling, fluid: Description, structure: Description, r: float) -> Plan:
+    """Scheme and window of a run; `r`: the mass ratio."""
+    rate = alpha_rate(fluid, structure)
+    window = window_length(coupling, fluid, structure)
+    step = fluid.stable_step / (1.0 + _SPEED_UP)
+    if coupling.scheme != "auto":
+        if coupling.window == "auto" and coupling.scheme.endswith("implicit"):
+            window = _MOST_STEPS * step
+        return Plan(
+            coupling.scheme, coupling.acceleration, window, [f"scheme {coupling.scheme}: the scene asks for it"]
+        )
+    response = min(0.5 * rate * window, r) if rate > 0.0 else r
+    numbers = f"α = {rate * window:.3g}, r = {r:.3g}, expected response of the load to itself {response:.2g}"
+    if coupling.window == "auto" and window < _SHORTEST * step and r > 0.5 * LARGEST_ALPHA:
+        why = (
+            f"explicit exchange with α at most {LARGEST_ALPHA:g} would need a window of {window / step:.2g} fluid "
+            f"steps (r = {r:.3g}); iterating over whole steps costs less"
+        )
+        return Plan("serial-implicit", "aitken", _MOST_STEPS * step, [f"serial-implicit with aitken: {why}"])
+    if response <= 0.5 * LARGEST_ALPHA * (1.0 + 1e-9):
+        return Plan("serial-explicit", "aitken", window, [f"serial-explicit: {numbers}, at most {LARGEST_ALPHA / 2:g}"])
+    return Plan("serial-implicit", "aitken", window, [f"serial-implicit with aitken: {numbers}"])

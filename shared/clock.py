@@ -7,7 +7,7 @@ after a restart.
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 
 @dataclass(frozen=True)
@@ -23,6 +23,10 @@ class Window:
     def length(self) -> float:
         """Length in seconds."""
         return self.t1 - self.t0
+
+    def again(self, iteration: int) -> Window:
+        """The same window at another iteration."""
+        return replace(self, iteration=iteration)
 
     def substeps(self, stable_step: float) -> int:
         """Smallest number of equal sub-steps that are no longer than `stable_step` [s]."""

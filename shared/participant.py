@@ -46,6 +46,7 @@ class Participant:
         self._substeps = 0
         self._saved: dict[str, np.ndarray] | None = None
         self._busy = 0.0
+        self._core_at_start = 0.0
         self._outgrown = 0
 
     # ---- the verbs --------------------------------------------------------------------------------------------
@@ -82,16 +83,20 @@ class Participant:
             self._writer = FrameWriter(self._output)
             self._writer.append(0.0, self.model.frame())
         self._stage = "ready"
+        self._core_at_start = time.process_time()
         return self._selected(own), self.model.probe_values()
 
-    def advance(self, window: Window, boundary: Exchange | None) -> Exchange:
-        """Integrate over `window` under the partner's data on the selected points; returns the own data there."""
+    def advance(self, window: Window, boundary: Exchange | None, final: bool = False) -> Exchange:
+        """Integrate over `window` under the partner's data on the selected points; returns the own data there.
+
+        `final`: this will be accepted, whatever comes of it, so that nothing is kept for `rollback`.
+        """
         self._need(self._stage == "ready", "advance", self._why_not_ready())
         self._need(window.index == self._next, "advance", f"window {self._next} is next, not window {window.index}")
         begun = time.perf_counter()
         if window.iteration == 0:
             self._substeps = window.substeps(self.model.stable_step())
-        if self._rollback and self._saved is None:
+        if self._rollback and self._saved is None and not final:
             self._saved = {name: np.copy(array) for name, array in self.model.state().items()}
         own = self.model.advance(window.t0, window.t1, self._substeps, self._spread(boundary))
         self.model.check()
@@ -104,6 +109,7 @@ class Participant:
         """Back to the window's start, bit for bit."""
         self._need(self._stage == "advanced", "rollback", "there is no advance to take back")
         self._need(self._rollback, "rollback", "start did not ask for rollback")
+        self._need(self._saved is not None, "rollback", "the window was advanced as final")
         self.model.restore(self._saved)
         self._stage = "ready"
 
@@ -147,6 +153,7 @@ class Participant:
             "outgrown_windows": self._outgrown,
             "particle_steps_per_s": particles * steps / self._busy if self._busy else 0.0,
             "core_s": usage.ru_utime + usage.ru_stime,
+            "stepping_core_s": time.process_time() - self._core_at_start,
             "peak_MiB": peak_mib(),
         }
 

@@ -9,25 +9,10 @@ from __future__ import annotations
 import itertools
 from typing import Annotated, Any, Literal
 
-from pydantic import BaseModel, ConfigDict, Field, field_validator, model_validator
+from pydantic import ConfigDict, Field, field_validator, model_validator
 
-Pair = tuple[float, float]
-Positive = Annotated[float, Field(gt=0.0)]
-NonNegative = Annotated[float, Field(ge=0.0)]
-Name = Annotated[str, Field(pattern=r"^[A-Za-z][A-Za-z0-9_-]*$")]
-
-
-def key(default: Any = ..., *, unit: str = "", about: str, **limits: Any) -> Any:
-    """A scene key: default, unit, meaning and range."""
-    extra = {"unit": unit} if unit else None
-    return Field(default, description=about, json_schema_extra=extra, **limits)
-
-
-class Table(BaseModel):
-    """A TOML table: unknown keys are refused, values are finite, nothing changes after loading."""
-
-    model_config = ConfigDict(extra="forbid", frozen=True, allow_inf_nan=False)
-
+from shared.schema_base import Name, NonNegative, Pair, Positive, Table, key
+from shared.schema_coupling import Column, Coupling
 
 # ---- geometry --------------------------------------------------------------------------------------------
 
@@ -250,8 +235,11 @@ class Periodic(Table):
 
 
 class Fluid(Table):
-    model: Literal["ctvf", "wcsph"] = key(
-        about="ctvf: EDAC pressure, transport velocity, shifting; wcsph: equation of state, no shifting"
+    model: Literal["ctvf", "wcsph", "column"] = key(
+        about=(
+            "ctvf: EDAC pressure, transport velocity, shifting; wcsph: equation of state, no shifting; "
+            "column: one-dimensional columns standing side by side on the wetted faces (sound or added mass, no flow)"
+        )
     )
     dx: Positive = key(unit="m", about="particle spacing; each body fits it per axis, n = round(L/dx)")
     density: Positive = key(1000.0, unit="kg/m³", about="reference density")
@@ -279,6 +267,7 @@ class Fluid(Table):
     structure_acceleration: bool = key(
         True, about="the structure's mean acceleration enters the ghost pressure (eq. 14)"
     )
+    column: Column = key(Column(), about="what model column is like")
     periodic: Periodic = key(Periodic(), about="{ x = [x0, x1], y = [y0, y1] }: periodic directions; absent: none")
     bodies: list[FluidBody] = key(about="regions of water", min_length=1)
 
@@ -411,19 +400,6 @@ class Solid(Table):
         if self.youngs_modulus is None and self.model not in RIGID_MODELS:
             raise ValueError(f"youngs_modulus is missing; Young's modulus [Pa] is needed by model {self.model}")
         return self
-
-
-class Coupling(Table):
-    scheme: Literal["auto", "serial-explicit"] = key("auto", about="auto: serial-explicit")
-    window: Positive | Literal["auto"] = key(
-        "auto",
-        unit="s",
-        about="coupling window; auto: up to four fluid steps, with α = ρ_f c Δt/(ρ_s t) at most 0.08",
-    )
-    predictor: Literal[0, 1, 2] = key(0, about="order of the load's extrapolation from past windows")
-    stall_after: Positive = key(
-        120.0, unit="s", about="a participant without progress for this long ends the run (exit code 4)"
-    )
 
 
 # ---- what is observed ------------------------------------------------------------------------------------

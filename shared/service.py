@@ -115,13 +115,18 @@ def _advance(participant: Participant, request: Message) -> Answer:
     window = Window(request.window, request.t0, request.t1, request.iteration)
     if not window.t0 < window.t1:
         raise BadMessage(f"window {window.index} from t0 = {window.t0} to t1 = {window.t1} has no length")
-    return {}, exchange_fields(participant.advance(window, kind(**request.fields)))
+    final = bool(request.info.get("final", False))
+    own = exchange_fields(participant.advance(window, kind(**request.fields), final))
+    return (_row(participant.accept()) if final else {}), own
 
 
 def _accept(participant: Participant, request: Message) -> Answer:
     check_fields(request.fields, {}, request.verb)
-    probes = participant.accept()
-    return ({} if probes is None else {"probes": probes}), {}
+    return _row(participant.accept()), {}
+
+
+def _row(probes: dict[str, float] | None) -> dict:
+    return {} if probes is None else {"probes": probes}
 
 
 def _plain(verb: str) -> Callable[[Participant, Message], Answer]:

@@ -22,7 +22,8 @@ Requests and what they carry (fields; info), and their replies:
     start      selection (k,) of own points, and for a fluid the five kinematics of its ghosts;
                end, windows, rollback, probe_rows, frames
                                                    → own initial exchange on the selected points; probes
-    advance    the partner's exchange on the selected points → own exchange on them
+    advance    the partner's exchange on the selected points; final (optional: accept at once)
+                                                   → own exchange on them; probes as of accept if final
     rollback   –                                   → –
     accept     –                                   → –; probes (name → value, when a row is due)
     save, load path (a file of the participant's machine) → –

@@ -17,6 +17,7 @@ CASES = (
     "dam_break_plate",
     "hydrostatic_plate",
     "oscillating_plate",
+    "piston",
     "plate_step_load",
     "prescribed_spin",
     "soft_plate",

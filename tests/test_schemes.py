@@ -8,29 +8,18 @@ import numpy as np
 import pytest
 
 from coupler.ledger import Ledger
-from coupler.mapping import build_mapping
 from coupler.prediction import Predictor
-from coupler.remote import Remote
-from coupler.schemes import serial_explicit
 from shared.clock import Clock
 from shared.contract import Loads
-from shared.link import InProcessLink
-from shared.participant import Participant
-from shared.service import Service
+from shared.schema_coupling import Coupling, Limits
+from tests.coupled_models import couple_models
 
 
-def coupled(spring, weight, windows, order, folder, end=1.0):
+def coupled(spring, weight, windows, order, folder, end=1.0, **coupling):
     """Run both toys; returns the structure's model and the ledger's rows and summary."""
-    solid = Remote(InProcessLink(Service(Participant(spring, "solid"), "r").handle), "r", "solid")
-    fluid = Remote(InProcessLink(Service(Participant(weight, "fluid"), "r").handle), "r", "fluid")
-    points, ghosts = solid.describe(), fluid.describe()
-    mapping = build_mapping(points, ghosts)
-    clock = Clock(end, windows)
-    motion, _ = solid.start(clock, mapping.selection, frames=1, probe_rows=1)
-    loads, _ = fluid.start(clock, np.arange(9), mapping.motion(motion), frames=1, probe_rows=1)
-    ledger = Ledger(folder / "ledger.csv")
-    for _ in serial_explicit(fluid, solid, mapping, clock, motion, loads, order, ledger):
-        pass
+    ledger = Ledger(folder / "ledger.csv", Limits())
+    table = Coupling(**{"scheme": "serial-explicit", "predictor": order, **coupling})
+    couple_models(weight, spring, Clock(end, windows), table, ledger=ledger)
     ledger.close()
     with (folder / "ledger.csv").open() as file:
         rows = [{k: float(v) for k, v in row.items()} for row in csv.DictReader(file)]
@@ -79,5 +68,5 @@ def test_predictor_is_exact_for_polynomials_of_its_order(order):
     predictor = Predictor(order, load(0))
     for n in range(1, 5):
         predictor.add(load(n))
-    np.testing.assert_allclose(predictor.predict().pressure, 5.0**order)
-    np.testing.assert_allclose(predictor.predict().force, 6.0**order)
+    np.testing.assert_allclose(predictor.predict(Clock(1.0, 10).window(5)).pressure, 5.0**order)
+    np.testing.assert_allclose(predictor.predict(Clock(1.0, 10).window(5)).force, 6.0**order)

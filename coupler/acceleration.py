@@ -1,0 +1,162 @@
+"""How a fixed-point problem x = H(x) is solved from evaluations x̃ = H(x): on plain vectors, one class per method.
+
+r = x̃ − x is the residual. Each class offers
+
+    begin()                          a new window begins
+    next(x, found, weight) → x       the next point to try; `weight` (n,) makes unlike entries comparable: norms and
+                                     fits are of weight · r; entries of weight 0 are carried along
+
+Aitken: Irons & Tuck, Int. J. Numer. Methods Engrg. 1 (1969) 275. IQN-ILS: Degroote, Bathe & Vierendeels, Comput.
+Struct. 87 (2009) 793, with the QR filter of Haelterman et al., Comput. Struct. 171 (2016) 9.
+"""
+
+from __future__ import annotations
+
+from collections import deque
+from typing import Protocol
+
+import numpy as np
+
+from shared.schema import Coupling
+
+FILTER = 1e-6
+"""A difference that the newer ones explain up to this fraction of its length says nothing new, and is left out."""
+_LARGEST_FACTOR = 2.0  # of Aitken's relaxation, to either side
+
+
+class Acceleration(Protocol):
+    """See the module's text."""
+
+    def begin(self) -> None: ...
+
+    def next(self, x: np.ndarray, found: np.ndarray, weight: np.ndarray) -> np.ndarray: ...
+
+
+class Constant:
+    """x + ω r."""
+
+    def __init__(self, omega: float):
+        self._omega = omega
+
+    def begin(self) -> None:
+        """Nothing is remembered."""
+
+    def next(self, x: np.ndarray, found: np.ndarray, weight: np.ndarray) -> np.ndarray:
+        """The next point to try."""
+        return x + self._omega * (found - x)
+
+
+class Aitken:
+    """x + ω_k r_k with ω_k = −ω_{k−1} r_{k−1}·(r_k − r_{k−1})/|r_k − r_{k−1}|²; a window begins with the last ω."""
+
+    def __init__(self, omega: float):
+        self._omega = omega
+        self._last: np.ndarray | None = None
+
+    def begin(self) -> None:
+        """Differences of another window do not count."""
+        self._last = None
+
+    def next(self, x: np.ndarray, found: np.ndarray, weight: np.ndarray) -> np.ndarray:
+        """The next point to try."""
+        residual = weight * (found - x)
+        if self._last is not None:
+            change = residual - self._last
+            square = change @ change
+            if square > 0.0:
+                omega = -self._omega * (self._last @ change) / square
+                self._omega = float(np.clip(omega, -_LARGEST_FACTOR, _LARGEST_FACTOR)) or self._omega
+        self._last = residual
+        return x + self._omega * (found - x)
+
+
+class IqnIls:
+    """x̃ + Σ c_i Δx̃_i with the c_i that make |r + Σ c_i Δr_i| least; relaxation by ω while there are no differences.
+
+    Differences of `reuse` past windows go on being used, newest first.
+    """
+
+    def __init__(self, omega: float, reuse: int):
+        self._omega = omega
+        self._columns: deque[list[tuple[np.ndarray, np.ndarray]]] = deque(maxlen=reuse + 1)  # windows, newest first
+        self._columns.appendleft([])
+        self._last: tuple[np.ndarray, np.ndarray] | None = None
+
+    def begin(self) -> None:
+        """The differences of the window before are kept as long as `reuse` says."""
+        if self._columns[0] or self._columns.maxlen == 1:
+            self._columns.appendleft([])
+        self._last = None
+
+    def next(self, x: np.ndarray, found: np.ndarray, weight: np.ndarray) -> np.ndarray:
+        """The next point to try."""
+        residual = found - x
+        if self._last is not None:
+            self._columns[0].insert(0, (residual - self._last[0], found - self._last[1]))
+        self._last = residual, found
+        chosen, basis, upper = self._independent(weight)
+        if not chosen:
+            return x + self._omega * residual
+        c = np.linalg.solve(upper, -(np.array(basis) @ (weight * residual)))
+        return found + sum(factor * column for factor, (_, column) in zip(c, chosen, strict=True))
+
+    def _independent(self, weight: np.ndarray):
+        """Differences, newest first, that the newer ones do not explain; orthonormal basis and R of their Δr."""
+        chosen, basis, rows = [], [], []
+        for pair in (pair for window in self._columns for pair in window):
+            if len(chosen) == np.count_nonzero(weight):
+                break
+            column = weight * pair[0]
+            size = np.linalg.norm(column)
+            parts = np.zeros(len(basis))
+            for _ in range(2):  # twice is enough
+                for k, direction in enumerate(basis):
+                    part = direction @ column
+                    parts[k] += part
+                    column = column - part * direction
+            left = np.linalg.norm(column)
+            if left > FILTER * size:
+                chosen.append(pair)
+                basis.append(column / left)
+                rows.append([*parts, left])
+        upper = np.zeros((len(rows), len(rows)))
+        for k, row in enumerate(rows):
+            upper[: k + 1, k] = row
+        return chosen, basis, upper
+
+
+class SteppingUp:
+    """Aitken until a window takes more than `PATIENCE` evaluations, from then on IQN-ILS, which has watched."""
+
+    PATIENCE = 6
+
+    def __init__(self, coupling: Coupling):
+        self._aitken: Aitken | None = Aitken(coupling.relaxation)
+        self._newton = IqnIls(coupling.relaxation, coupling.reuse)
+        self._count = 0
+        self.news = ""
+
+    def begin(self) -> None:
+        """A new window."""
+        self._count = 0
+        self._newton.begin()
+        if self._aitken is not None:
+            self._aitken.begin()
+
+    def next(self, x: np.ndarray, found: np.ndarray, weight: np.ndarray) -> np.ndarray:
+        """The next point to try."""
+        self._count += 1
+        if self._aitken is not None and self._count > self.PATIENCE:
+            self._aitken = None
+            self.news = f"aitken to iqn-ils: more than {self.PATIENCE} iterations in a window"
+        better = self._newton.next(x, found, weight)
+        return better if self._aitken is None else self._aitken.next(x, found, weight)
+
+
+def make_acceleration(coupling: Coupling) -> Acceleration:
+    """The method that the scene asks for."""
+    if coupling.acceleration == "constant":
+        return Constant(coupling.relaxation)
+    if coupling.acceleration == "aitken":
+        return Aitken(coupling.relaxation)
+    return IqnIls(coupling.relaxation, coupling.reuse)

@@ -1,0 +1,115 @@
+"""Which scheme takes the next window: the scene's, or under `auto` the cheapest that the measured response allows.
+
+Measured is the response |g| of the load to itself: a window is taken twice or more by plain iteration, and
+|g| = |F₂ − F₁|/|F₁ − F₀|, with F₀ the load used, F₁ the load found, F₂ the load found when F₁ is used. Measured windows
+are few and chosen by number. Nothing timed chooses anything, so that a run repeats to the byte.
+"""
+
+from __future__ import annotations
+
+import logging
+from collections.abc import Callable
+
+import numpy as np
+
+from coupler.acceleration import Constant, SteppingUp, make_acceleration
+from coupler.schemes import (
+    Coupled,
+    Iteration,
+    Outcome,
+    parallel_explicit,
+    parallel_implicit,
+    serial_explicit,
+    serial_implicit,
+)
+from coupler.vectors import Measure
+from coupler.window import LARGEST_ALPHA, Plan
+from shared.clock import Window
+from shared.schema import Coupling
+
+log = logging.getLogger("shearwater")
+
+Taker = Callable[[Coupled, Window], Outcome]
+
+_LARGEST_RESPONSE = 2.5 * LARGEST_ALPHA / 2.0
+"""Measured |g| past which lagged exchange is left: what α = 0.08 means for a load that comes back at once is half of
+it, and a measured response holds what flow and noise add."""
+_MEASURE_EVERY = 512  # windows; before, at the powers of two
+_QUIET = 1e-3  # change of the load over the load: below it there is no response to be measured
+_SWINGS = 6  # windows in a row in which the lagged load overshoots, each by more than the one before
+_SWINGING = 0.02  # change of the load over the load that counts as an overshoot
+_OPPOSED = -0.5  # cosine between the changes of two windows below which one undoes the other
+
+
+def make_taker(plan: Plan, coupling: Coupling) -> Taker:
+    """What takes windows under `plan`."""
+    if coupling.scheme == "auto":
+        return Auto(plan, coupling)
+    measure = Measure.of(coupling)
+    if coupling.scheme.endswith("explicit"):
+        scheme = serial_explicit if coupling.scheme.startswith("serial") else parallel_explicit
+        return lambda c, window: scheme(c, window, measure)
+    how = Iteration(make_acceleration(coupling), measure, coupling.max_iterations, coupling.on_cap == "accept")
+    scheme = serial_implicit if coupling.scheme.startswith("serial") else parallel_implicit
+    return lambda c, window: scheme(c, window, how)
+
+
+class Auto:
+    """Serial exchange: explicit, then implicit with aitken, then with iqn-ils; never back. `plan.reasons` grows."""
+
+    def __init__(self, plan: Plan, coupling: Coupling):
+        self._plan = plan
+        self._measure = Measure.of(coupling)
+        self._explicit = plan.scheme == "serial-explicit"
+        self._acceleration = SteppingUp(coupling)
+        self._implicit = Iteration(
+            self._acceleration, self._measure, coupling.max_iterations, coupling.on_cap == "accept"
+        )
+        self._twice = Iteration(Constant(1.0), Measure(0.0, 0.0, coupling.loads), 2, True)
+        self._last: np.ndarray | None = None
+        self._swings = 0
+
+    def __call__(self, c: Coupled, window: Window) -> Outcome:
+        """Take one window."""
+        if not self._explicit:
+            outcome = serial_implicit(c, window, self._implicit)
+            if self._acceleration.news:
+                self._say(window, self._acceleration.news)
+                self._acceleration.news = ""
+            return outcome
+        if is_measured(window.index):
+            outcome = serial_implicit(c, window, self._twice)
+            first, second = outcome.changes
+            if first > _QUIET and second > _LARGEST_RESPONSE * first:
+                self._step_up(window, f"measured response of the load to itself {second / first:.2g}")
+            return outcome
+        outcome = serial_explicit(c, window, self._measure)
+        self._watch(window, outcome)
+        return outcome
+
+    def _watch(self, window: Window, outcome: Outcome) -> None:
+        """Lagged loads that overshoot to and fro, ever further, are about to blow up."""
+        change = (outcome.mapped.force - outcome.used.force).ravel()
+        before, self._last = self._last, change
+        if before is None or outcome.changes[0] < _SWINGING:
+            self._swings = 0
+            return
+        size, last = np.linalg.norm(change), np.linalg.norm(before)
+        opposed = change @ before < _OPPOSED * size * last
+        self._swings = self._swings + 1 if opposed and size > last else 0
+        if self._swings == _SWINGS:
+            self._step_up(window, f"the lagged load overshot {_SWINGS} windows in a row, each time by more")
+
+    def _step_up(self, window: Window, why: str) -> None:
+        self._explicit = False
+        self._say(window, f"serial-explicit to serial-implicit with aitken: {why}")
+
+    def _say(self, window: Window, what: str) -> None:
+        reason = f"window {window.index}, t = {window.t0:.4g} s: {what}"
+        log.info("auto: %s", reason)
+        self._plan.reasons.append(reason)
+
+
+def is_measured(index: int) -> bool:
+    """Whether window `index` measures the response: 1, 2, 4, 8, …, then every 512th."""
+    return index % _MEASURE_EVERY == 0 if index >= _MEASURE_EVERY else index > 0 and index & (index - 1) == 0

@@ -1,0 +1,91 @@
+"""The scene's vocabulary of coupling: schemes, acceleration, limits of the ledger."""
+
+from __future__ import annotations
+
+from typing import Annotated, Literal
+
+from pydantic import Field, model_validator
+
+from shared.schema_base import NonNegative, Positive, Table, key
+
+
+class Column(Table):
+    """Model column: each fluid body is a rectangle with one face on the structure; its far end is the opposite one."""
+
+    far_end: Literal["open", "closed"] = key("open", about="open: at no pressure; closed: a fixed wall")
+    reflection: Annotated[float, Field(ge=0.0, le=1.0)] = key(
+        1.0, unit="-", about="amplitude d of a sound pulse after its way to the far end and back; 0: nothing comes back"
+    )
+    compressible: bool = key(
+        True,
+        about="true: sound at fluid.sound_speed, by characteristics; false: a column moves as one (far end open)",
+    )
+
+    @model_validator(mode="after")
+    def _incompressible_is_open(self):
+        if not self.compressible and (self.far_end == "closed" or self.reflection != 1.0):
+            raise ValueError('compressible = false needs far_end = "open" and reflection = 1: other water cannot move')
+        return self
+
+
+class Limits(Table):
+    """Limits of the ledger; the run stops past one. They count once the coupling is past its first windows."""
+
+    energy: Positive = key(
+        0.5, unit="-", about="largest energy made or lost at the interface by the lag, over the largest work done there"
+    )
+    impulse: Positive = key(
+        0.5, unit="-", about="largest difference of the impulses given and taken, over the largest impulse"
+    )
+    mapping: Positive = key(
+        1e-9, unit="-", about="largest difference of the total force before and after the map, over the sum of forces"
+    )
+
+
+class Coupling(Table):
+    """Serial: the structure first, then the fluid on its true motion; parallel: both at once, on predictions of both.
+
+    Explicit: once per window. Implicit: repeated with better loads until the load used is the load found.
+    """
+
+    scheme: Literal["auto", "serial-explicit", "parallel-explicit", "serial-implicit", "parallel-implicit"] = key(
+        "auto",
+        about=(
+            "auto: serial, explicit while the measured response of the load to itself is small, then implicit with "
+            "aitken, then with iqn-ils; the reasons are in the coupler's log and in result.json"
+        ),
+    )
+    window: Positive | Literal["auto"] = key(
+        "auto",
+        unit="s",
+        about="coupling window; auto: up to four fluid steps, with α = ρ_f c Δt/(ρ_s t) at most 0.08",
+    )
+    predictor: Literal[0, 1, 2] = key(0, about="order of the extrapolation from past windows")
+    acceleration: Literal["constant", "aitken", "iqn-ils"] = key(
+        "iqn-ils", about="how an implicit scheme finds its next load: relaxation, or quasi-Newton from differences"
+    )
+    relaxation: Annotated[float, Field(gt=0.0, le=2.0)] = key(
+        0.5, unit="-", about="factor ω of constant relaxation; the others' first step"
+    )
+    reuse: Annotated[int, Field(ge=0, le=100)] = key(8, about="past windows whose differences iqn-ils goes on using")
+    tolerance: Annotated[float, Field(gt=0.0, lt=1.0)] = key(
+        1e-4,
+        unit="-",
+        about="converged: the difference of load used and found, over the load found, is below this",
+    )
+    tolerance_absolute: NonNegative = key(1e-9, unit="N/m", about="or the difference itself is below this")
+    max_iterations: Annotated[int, Field(ge=1, le=1000)] = key(30, about="most iterations of a window")
+    on_cap: Literal["fail", "accept"] = key(
+        "fail", about="a window not converged after max_iterations: fail: the run ends; accept: goes on, and is counted"
+    )
+    loads: Literal["force", "pressure"] = key(
+        "force",
+        about=(
+            "force: the structure takes the fluid's forces on the ghosts, action and reaction exactly; pressure: it "
+            "integrates the ghosts' pressures over its own faces"
+        ),
+    )
+    limits: Limits = key(Limits(), about="limits of the ledger")
+    stall_after: Positive = key(
+        120.0, unit="s", about="a participant without progress for this long ends the run (exit code 4)"
+    )

@@ -1,0 +1,122 @@
+"""Columns of water: exact whatever the steps, where they stand, what they weigh; they do not run where they cannot."""
+
+from __future__ import annotations
+
+import itertools
+
+import numpy as np
+import pytest
+
+from fluid_solver.delay_line import DelayLine
+from fluid_solver.models import make_model
+from shared.contract import BadInput, Kinematics
+from shared.scene import load_scene
+from tests.coupled_models import piston
+
+RHO, C, LENGTH, HEIGHT = 1000.0, 50.0, 1.0, 0.2
+
+
+def swung(model, times, x, v, a=None, substeps=1):
+    """Total force along x and end pressure in every window of a face that moves as x(t), v(t)."""
+    feet = model.describe().position
+    rest = Kinematics.at_rest(feet)
+
+    def at(t):
+        along = [np.tile([value, 0.0], (len(feet), 1)) for value in (x(t), v(t), a(t) if a else 0.0)]
+        return Kinematics(feet + along[0], along[1], along[2], rest.velocity, rest.velocity)
+
+    model.begin(at(times[0]))
+    forces, pressures = [], []
+    for t0, t1 in itertools.pairwise(times):
+        loads = model.advance(t0, t1, substeps, at(t1))
+        forces.append(loads.force.sum(axis=0))
+        pressures.append(loads.pressure[0])
+    return np.array(forces), np.array(pressures)
+
+
+@pytest.mark.parametrize(
+    ("far_end", "d", "R"), [("open", 1.0, -1.0), ("closed", 1.0, 1.0), ("closed", 0.4, 0.4), ("open", 0.0, 0.0)]
+)
+def test_waves_are_exact_for_a_cubic_motion(far_end, d, R):
+    """p = ρ c (v + 2 Σ R^k v(t − kτ)): a face that moves as t³ is followed to rounding, mean force and all."""
+    model = make_model(piston([f"fluid.column.far_end={far_end}", f"fluid.column.reflection={d}"]), True, 1)
+    times = np.arange(0, 121) * 1e-3
+    tau = 2.0 * LENGTH / C
+
+    def echoes(of):
+        return lambda t: of(t) + sum(2.0 * R**k * of(t - k * tau) * (t > k * tau) for k in range(1, 4))
+
+    forces, pressures = swung(model, times, lambda t: t**3, lambda t: 3.0 * t**2)
+    impulse = RHO * C * HEIGHT * np.array([echoes(lambda s: s**3)(t) for t in times])
+    np.testing.assert_allclose(forces[:, 0], -np.diff(impulse) / 1e-3, rtol=1e-9, atol=1e-9)
+    np.testing.assert_allclose(pressures, RHO * C * np.array([echoes(lambda s: 3.0 * s**2)(t) for t in times[1:]]))
+
+
+@pytest.mark.parametrize("window", [1e-3, 0.7e-3])
+def test_steps_within_a_window_change_nothing(window):
+    times = np.arange(0, 200) * window
+    motion = (lambda t: 1.0 - np.cos(9.0 * t), lambda t: 9.0 * np.sin(9.0 * t))
+    whole, parts = (swung(make_model(piston(), True, 1), times, *motion, substeps=n)[0] for n in (1, 32))
+    np.testing.assert_allclose(whole, parts, rtol=1e-9 if window == 1e-3 else 2e-3, atol=1e-3)
+
+
+def test_memory_between_its_times_is_of_fourth_order():
+    errors = []
+    for step in (0.1, 0.05, 0.025):
+        line = DelayLine(1)
+        for t in np.arange(0.0, 20.0, step):
+            line.append(t, np.array([np.sin(t)]), np.array([np.cos(t)]))
+            line.forget(t - 3.0)
+        errors.append(max(abs(line.at(18.0 + s * step)[0][0] - np.sin(18.0 + s * step)) for s in (0.3, 0.5, 0.8)))
+    assert np.log2(errors[0] / errors[1]) == pytest.approx(4.0, abs=0.2)
+    assert np.log2(errors[1] / errors[2]) == pytest.approx(4.0, abs=0.2)
+
+
+def test_incompressible_water_is_a_mass():
+    model = make_model(piston(["fluid.column.compressible=false"]), True, 1)
+    times = np.arange(0, 30) * 1e-2
+    forces, pressures = swung(model, times, lambda t: t**2, lambda t: 2.0 * t, lambda t: 2.0)
+    np.testing.assert_allclose(forces[:, 0], -RHO * LENGTH * HEIGHT * 2.0)
+    np.testing.assert_allclose(pressures, RHO * LENGTH * 2.0)
+
+
+def test_water_at_rest_weighs_what_it_weighs_and_shows_its_pressure():
+    """The columns replace the particles of another scene by one line, and carry the same static load."""
+    scene = load_scene("hydrostatic_plate", ["fluid.model=column", "fluid.dx=0.05"])
+    model = make_model(scene, True, 1)
+    described = model.describe()
+    assert len(described.position) == 20
+    assert np.all(described.position[:, 1] == 0.0)
+    loads = model.begin(Kinematics.at_rest(described.position))
+    np.testing.assert_allclose(loads.force.sum(axis=0), [0.0, -1000.0 * 9.81 * 2.0 * 1.0], atol=1e-9)
+    assert model.probe_values()["bottom_pressure"] == pytest.approx(19620.0)
+    frame = model.frame()
+    np.testing.assert_allclose(frame.fields["pressure"], 9810.0 * (2.0 - frame.position[:, 1]))
+
+
+def test_pressure_along_the_column_is_that_of_the_wave():
+    """A face that moves at 1 m/s for 10 ms: water up to 0.5 m away carries ρ c v, none beyond."""
+    model = make_model(piston(), True, 1)
+    times = np.arange(0, 11) * 1e-3
+    swung(model, times, lambda t: t, lambda t: 1.0)
+    frame = model.frame()
+    reached = frame.position[:, 0] < 0.5
+    np.testing.assert_allclose(frame.fields["pressure"], np.where(reached, RHO * C, 0.0), atol=1e-6)
+    np.testing.assert_allclose(frame.fields["velocity"][:, 0], np.where(reached, 1.0, 0.0), atol=1e-9)
+
+
+@pytest.mark.parametrize(
+    ("sets", "what"),
+    [
+        (["fluid.bodies.water.rectangle=[0.2,0,1,0.2]"], "touches no face"),
+        (["fluid.bodies=[{name='water',circle={centre=[0.5,0.1],radius=0.1}}]"], "no rectangle"),
+    ],
+)
+def test_columns_refuse_where_they_cannot_stand(sets, what):
+    with pytest.raises(BadInput, match=what):
+        make_model(piston(sets), True, 1)
+
+
+def test_closed_incompressible_water_is_refused():
+    with pytest.raises(BadInput, match="other water cannot move"):
+        piston(["fluid.column.compressible=false", "fluid.column.far_end=closed"])
