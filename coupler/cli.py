@@ -4,12 +4,15 @@ from __future__ import annotations
 
 import json
 from enum import StrEnum
+from pathlib import Path
 from typing import Annotated
 
 import typer
 from rich.console import Console
 from rich.table import Table
 
+from coupler.chart import make_chart
+from coupler.chart_files import summary, write_chart
 from coupler.preflight import actual, preflight, stop_if_refused, warn_of
 from coupler.preflight_auto import chosen, run_one_side
 from coupler.preflight_table import print_preflight
@@ -97,6 +100,29 @@ def check(
         print_preflight(report, scene, Console())
     if report.verdict == "refuse":
         raise SystemExit(BadInput.exit_code)
+
+
+@app.command()
+def chart(
+    case: Case,
+    out: Annotated[
+        Path | None, typer.Option(help="Folder of the chart and its runs; default runs/chart-CASE.", show_default=False)
+    ] = None,
+    sets: Sets = None,
+    jobs: Annotated[
+        int,
+        typer.Option(help="Variants at once; more than one where only errors are wanted, times then mislead.", min=1),
+    ] = 1,
+    quiet: Quiet = False,
+) -> None:
+    """Chart error against cost over the variants of the case's study; what has been run is not run again."""
+    folder = out or Path("runs") / f"chart-{case_name(case)}"
+    found = make_chart(case, sets or (), folder, jobs, (lambda text: None) if quiet else print)
+    changes = "".join(f" --set {text}" for text in sets or ())
+    paths = write_chart(found, folder, f"coupler chart {case_name(case)}{changes}")
+    if not quiet:
+        for line in (*summary(found), *map(str, paths)):
+            print(line)
 
 
 @app.command()

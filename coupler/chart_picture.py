@@ -1,0 +1,51 @@
+"""The picture of a chart: error against core-seconds, both logarithmic."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+
+from coupler.chart import Chart, Point
+from shared.drawing import FAINT, FONT_PT, INK, axes_at, new_figure, save
+
+_WIDTH_IN, _HEIGHT_IN = 7.8, 4.2
+_LEFT_IN, _BOTTOM_IN, _TOP_IN, _LEGEND_IN = 0.75, 0.55, 0.4, 2.6
+# Okabe and Ito's palette, told apart by colour-blind readers.
+_COLOURS = ("#0b4f8a", "#d55e00", "#009e73", "#cc79a7", "#e69f00", "#56b4e9", "#7f7f7f", "#000000")
+_MARKERS = "osD^vP*X"
+_FLOOR = 1e-5  # error below which points are drawn on the floor
+_LONGEST_NAME = 46
+
+
+def draw_chart(chart: Chart, path: Path) -> Path:
+    """Draw the variants that finished, a line per series, the front beneath as a wide grey one."""
+    figure = new_figure(_WIDTH_IN, _HEIGHT_IN)
+    size = _WIDTH_IN - _LEFT_IN - _LEGEND_IN, _HEIGHT_IN - _BOTTOM_IN - _TOP_IN
+    axes = axes_at(figure, _LEFT_IN, _BOTTOM_IN, *size)
+    drawn = [p for p in chart.points if p.error is not None and p.cost]
+    floor = max(_FLOOR, 0.3 * min((p.error for p in drawn if p.error > 0.0), default=_FLOOR))
+    for k, series in enumerate(dict.fromkeys(p.variant.series for p in drawn)):
+        own = sorted((p for p in drawn if p.variant.series == series), key=lambda p: p.cost)
+        style = {"color": _COLOURS[k % len(_COLOURS)], "marker": _MARKERS[k % len(_MARKERS)]}
+        axes.plot(*_places(own, floor), linewidth=0.9, markersize=4.5, label=series[:_LONGEST_NAME], **style)
+    if chart.front:
+        front = _places(chart.front, floor)
+        axes.plot(*front, color=INK, linewidth=5.0, alpha=0.15, zorder=1, label="Pareto front")
+    axes.axhline(chart.scene.goal.error, color=FAINT, linestyle="--", linewidth=0.9, label="wanted error")
+    if chart.spread:
+        largest = max(abs(v) for v in chart.spread.values())
+        axes.axhspan(floor, largest, color="#f0e442", alpha=0.2, linewidth=0, zorder=0, label="spread of references")
+    axes.set_xscale("log")
+    axes.set_yscale("log")
+    axes.set_xlabel("stepping [core-seconds]", fontsize=FONT_PT, color=INK)
+    axes.set_ylabel(f"error of {chart.scene.goal.statistic} {chart.scene.goal.probe}", fontsize=FONT_PT, color=INK)
+    axes.set_title(chart.scene.title, loc="left", fontsize=FONT_PT + 1, color=INK)
+    axes.grid(color="0.9", linewidth=0.5, zorder=0.5)
+    axes.legend(fontsize=FONT_PT - 2.0, frameon=False, loc="upper left", bbox_to_anchor=(1.0, 1.02), labelcolor=INK)
+    return save(figure, path)
+
+
+def _places(points: list[Point], floor: float) -> np.ndarray:
+    """Cost and error as rows (2, n)."""
+    return np.array([(p.cost, max(p.error, floor)) for p in points]).T

@@ -1,0 +1,102 @@
+"""Charts: fronts and slopes of known points; a small study run, drawn, and not run twice."""
+
+from __future__ import annotations
+
+import csv
+from types import SimpleNamespace
+
+import pytest
+
+from coupler.chart import find_truth, make_chart, pareto, slopes
+from coupler.chart_files import COLUMNS, summary, write_chart
+from coupler.chart_variants import study_variants
+from shared.contract import BadInput
+from shared.scene import shipped_cases
+
+
+def point(cost, error, dx=1.0, series="one"):
+    return SimpleNamespace(cost=cost, error=error, variant=SimpleNamespace(series=series, dx=dx))
+
+
+def test_the_front_holds_what_nothing_beats_in_both():
+    cheap, best, beaten, dear = point(1.0, 0.1), point(10.0, 0.01), point(12.0, 0.02), point(100.0, 0.005)
+    assert pareto([beaten, dear, best, cheap]) == [cheap, best, dear]
+
+
+def test_slope_and_order_of_a_second_order_method_whose_cost_grows_with_the_cube():
+    points = [point(cost=dx**-3, error=dx**2, dx=dx) for dx in (0.1, 0.05, 0.025)]
+    (found,) = slopes(points)
+    assert found.order == pytest.approx(2.0)
+    assert found.slope == pytest.approx(-2.0 / 3.0)
+    assert found.at == pytest.approx(0.025**-3)
+
+
+def test_a_series_of_one_spacing_has_no_slope():
+    assert slopes([point(1.0, 0.1), point(2.0, 0.2)]) == []
+
+
+STUDY = """
+[study]
+truth = "2-D elasticity"
+sets = ["output.frames=1"]
+
+[[study.families]]
+name = "beam"
+sets = ["solid.model=beam"]
+vary = [[["solid.dx=6e-3"], ["solid.dx=3e-3"]]]
+
+[[study.families]]
+name = "torn"
+sets = ["solid.model=beam", "solid.loads[0].traction=[0.0, -2e9]"]
+"""
+
+
+@pytest.fixture
+def case(tmp_path):
+    text = shipped_cases()["udl_beam"].read_text(encoding="utf-8").partition("[study]")[0]
+    path = tmp_path / "small.toml"
+    path.write_text(text + STUDY, encoding="utf-8")
+    return str(path)
+
+
+def test_a_chart_runs_once_says_what_is_enough_and_keeps_failures(case, tmp_path):
+    said = []
+    chart = make_chart(case, (), tmp_path / "chart", 2, said.append)
+    paths = write_chart(chart, tmp_path / "chart", "coupler chart small")
+    assert chart.smallest.variant.family == "beam"
+    assert chart.smallest.error < 1e-3
+    assert [p.status for p in chart.points] == ["finished", "finished", "failed"]
+    assert all(p.expected.core_s > 0.0 for p in chart.points)
+    with paths[0].open() as file:
+        rows = list(csv.DictReader(file))
+    assert tuple(rows[0]) == COLUMNS
+    assert rows[2]["error"] == ""
+    assert "Smallest under the wanted 2 %: **beam**" in paths[1].read_text(encoding="utf-8")
+    assert paths[2].stat().st_size > 10_000
+    assert any(line.startswith("running") for line in said)
+
+    said.clear()
+    again = make_chart(case, (), tmp_path / "chart", 1, said.append)
+    assert said == []
+    assert [p.value for p in again.points] == [p.value for p in chart.points]
+    assert summary(again)[0] == summary(chart)[0]
+
+
+def test_a_chart_of_what_is_no_study_is_refused(case):
+    with pytest.raises(BadInput, match=r"needs the table \[study\]"):
+        study_variants("soft_plate")
+    with pytest.raises(BadInput, match=r"study\.truth = 'nobody'"):
+        find_truth(study_variants(case, ["study.truth=nobody"])[0].scene, [], [])
+
+
+def test_every_mistake_of_a_study_is_reported(case):
+    with pytest.raises(BadInput) as error:
+        study_variants(case, ['study.families[0].vary=[[["solid.dxx=1"], ["solid.dx=-1"]]]'])
+    assert "solid.dxx" in str(error.value)
+    assert "solid.dx = -1" in str(error.value)
+
+
+@pytest.mark.parametrize("name", [name for name, path in shipped_cases().items() if "[study]" in path.read_text()])
+def test_shipped_studies_hold_valid_scenes_and_each_once(name):
+    variants = study_variants(name)
+    assert len({v.folder for v in variants}) == len(variants)
