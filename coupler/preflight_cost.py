@@ -14,7 +14,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from coupler.preflight_numbers import Numbers
-from coupler.preflight_window import expected_window
+from coupler.preflight_window import expected_plan, expected_window
 from shared.schema import Scene
 from shared.sides import probe_rows
 
@@ -26,6 +26,8 @@ SOLID_STEP_S = {"total-lagrangian": 3e-6, "ctvf": 5e-5, "beam": 3e-5, "rigid": 2
 SOLID_PARTICLE_S = {"total-lagrangian": 7.5e-8, "ctvf": 8e-7, "beam": 2.5e-7, "rigid": 0.0, "spring": 0.0}
 WINDOW_S = 4e-4
 """Per coupling window, both sides: messages, bookkeeping."""
+ITERATIONS = 3.0
+"""Of a window of an implicit scheme."""
 START_S = 1.6
 """Per process, before its first step: loading libraries and compiled code."""
 _NEIGHBOURS_RADIUS = 2.6  # support over dx of the table's fluid
@@ -62,6 +64,8 @@ def predicted_cost(scene: Scene, n: Numbers, slower: float = 1.0) -> Cost:
         work += solid_steps * (SOLID_STEP_S[model] + SOLID_PARTICLE_S[model] * n.plate.particles)
     sides = (n.water is not None) + (n.plate is not None)
     work += windows * WINDOW_S * (1.0 if sides == 2 else 0.3)
+    if sides == 2 and expected_plan(scene, n).scheme.endswith("implicit"):
+        work *= ITERATIONS
     return Cost(slower * (work + sides * START_S), slower * sides * START_S, fluid_steps, solid_steps, windows)
 
 

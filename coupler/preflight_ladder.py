@@ -23,6 +23,7 @@ from coupler.preflight_rules import (
 )
 from shared.scene_checks import check_scene
 from shared.schema import PARTICLE_MODELS, RIGID_MODELS, Fluid, Scene, Solid
+from shared.sides import probe_rows
 
 Standing = Literal["smallest", "enough", "not enough", "cannot"]
 
@@ -33,6 +34,7 @@ SOLIDS = ("rigid", "spring", "beam", "total-lagrangian", "ctvf")
 REFINEMENTS = (2.0, 1.5, 1.25, 1.0, 0.8, 2 / 3, 0.5, 0.4, 1 / 3, 0.25, 0.2, 1 / 6, 0.125, 0.1, 0.075, 0.05, 0.025)
 """Spacings tried, over the scene's own."""
 
+_WINDOWS_PER_PERIOD = 20.0
 _DAMPING_RATIO = 0.7  # of the first mode: brings a static answer to rest within a period
 _RIGID_SHARE = 10.0  # error of the flow per deflection over depth, when an elastic body is held rigid
 
@@ -106,6 +108,8 @@ def _rung(scene: Scene, fluid: str | None, solid: str | None, why: str) -> Rung:
     base, sets = _with_models(scene, fluid, solid)
     if why:
         return Rung(fluid, solid, "cannot", why, base, sets)
+    base, more = _coupled(base)
+    sets = (*sets, *more)
     best: Rung | None = None
     for factor in REFINEMENTS if _has_particles(base) else (1.0,):
         tried, spacing = _refined(base, factor)
@@ -163,6 +167,29 @@ def _with_models(scene: Scene, fluid: str | None, solid: str | None) -> tuple[Sc
             changes[side] = part.model_copy(update=update)
             sets.append(f"{side}.model={model}")
     return (scene.model_copy(update=changes) if changes else scene), tuple(sets)
+
+
+def _coupled(scene: Scene) -> tuple[Scene, tuple[str, ...]]:
+    """The scene with the coupling that its models want, where the scene leaves it to be chosen.
+
+    Models without steps of their own take windows that the plate's swing can stand: explicit with water at rest, which
+    answers to places alone, so that next to nothing comes back within a window. Water in a box that a plate closes has
+    nowhere to go: its load is found by iteration.
+    """
+    n = scene_numbers(scene)
+    if n.joint is None or scene.coupling.scheme != "auto" or scene.coupling.window != "auto":
+        return scene, ()
+    if n.water.model not in PARTICLE_FLUIDS:
+        swing = math.inf if n.plate.frequency is None else 1.0 / (_WINDOWS_PER_PERIOD * n.plate.frequency)
+        window = float(f"{min(scene.end_time / probe_rows(scene), swing):.3g}")
+        scheme = "serial-explicit" if n.water.model == "still" else "serial-implicit"
+        update = {"scheme": scheme, "window": window}
+    elif n.water.boxed and n.joint.closes and n.joint.mass_ratio > 1.0:
+        update = {"scheme": "serial-implicit", "acceleration": "iqn-ils"}
+    else:
+        return scene, ()
+    changed = scene.model_copy(update={"coupling": scene.coupling.model_copy(update=update)})
+    return changed, tuple(f"coupling.{key}={value}" for key, value in update.items())
 
 
 def _cannot(scene: Scene, side: str, model: str | None) -> str:

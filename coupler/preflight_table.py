@@ -9,7 +9,8 @@ from rich.markup import escape
 from rich.table import Table
 
 from coupler.preflight import Preflight
-from coupler.preflight_rules import PARTICLE_FLUIDS
+from coupler.preflight_numbers import Numbers, scene_numbers
+from coupler.preflight_window import expected_plan, expected_window
 from shared.schema import Scene
 
 _COLOURS = {"ok": "green", "warn": "yellow", "refuse": "red", "smallest": "green", "enough": "", "not enough": "yellow"}
@@ -35,42 +36,46 @@ def _print_ladder(report: Preflight, scene: Scene, console: Console) -> None:
     wanted = f"{goal.statistic} of {goal.probe} within {100 * goal.error:g} %"
     table = Table("models", "settings", "error bound", "core-s", "standing", "reason", title=f"the ladder: {wanted}")
     for rung in report.ladder:
+        if rung.standing == "cannot":
+            continue
         error = f"{100 * rung.error:.2g} %" if math.isfinite(rung.error) else "–"
         cost = f"{report.slower * rung.cost.core_s:.3g}" if rung.cost else "–"
         spacings = "\n".join(s for s in rung.sets if ".model" not in s)
         table.add_row(rung.name, escape(spacings), error, cost, _coloured(rung.standing), escape(rung.reason))
     console.print(table)
+    for reason in dict.fromkeys(rung.reason for rung in report.ladder if rung.standing == "cannot"):
+        names = ", ".join(rung.name for rung in report.ladder if rung.reason == reason)
+        console.print(f"[dim]Left out: {escape(names)}: {escape(reason)}[/dim]")
 
 
 def verdict_lines(report: Preflight, scene: Scene) -> list[str]:
     """The verdict in words: this scene's own prediction, the smallest pair, and how it is coupled."""
-    n, lines = report.numbers, []
+    lines = []
     bound = (
         f", error bound {100 * report.error:.2g} %" if report.error is not None and math.isfinite(report.error) else ""
     )
-    lines.append(f"As it stands: about {report.cost.core_s:.3g} core-seconds{bound}.")
+    coupled = f" {_coupling_line(scene, report.numbers)}" if report.numbers.joint is not None else ""
+    lines.append(f"As it stands: about {report.cost.core_s:.3g} core-seconds{bound}.{coupled}")
     choice = report.choice
     if choice is not None:
         sets = " ".join(f"--set {s}" for s in choice.sets)
-        lines.append(f"Smallest that meets the goal: {choice.name}{' by ' + sets if sets else ' as it stands'}.")
+        numbers = scene_numbers(choice.scene)
+        coupled = f" {_coupling_line(choice.scene, numbers)}" if numbers.joint is not None else ""
+        how = f"by {sets}" if sets else "as it stands"
+        lines.append(f"Smallest that meets the goal: {choice.name} {how}.{coupled}")
     elif report.ladder:
         closest = min((r for r in report.ladder if r.cost is not None), key=lambda r: r.error, default=None)
         why = f": {closest.reason}" if closest is not None else ""
         lines.append(f"No pair of models is known to meet the goal{why}.")
-    if n.joint is not None and report.window is not None:
-        lines.append(_coupling_line(report, scene))
     return lines
 
 
-def _coupling_line(report: Preflight, scene: Scene) -> str:
-    n, window = report.numbers, report.window
-    scheme = scene.coupling.scheme
-    if scheme == "auto":
-        scheme = "implicit with iqn-ils" if n.water.boxed and n.joint.closes else "serial-explicit"
-    if n.water.model not in PARTICLE_FLUIDS:
-        return f"Coupling: {scheme}, window {window:.3g} s."
-    fluid, solid = (max(1, math.ceil(window / step * (1 - 1e-9))) for step in (n.water.step, n.plate.step))
-    return f"Coupling: {scheme}, window {window:.3g} s: {fluid} fluid steps, {solid} solid steps."
+def _coupling_line(scene: Scene, n: Numbers) -> str:
+    """Scheme, window, and each side's steps in it."""
+    plan, window = expected_plan(scene, n), expected_window(scene, n)
+    scheme = f"{plan.scheme} with {plan.acceleration}" if plan.scheme.endswith("implicit") else plan.scheme
+    steps = [max(1, math.ceil(window / step * (1 - 1e-9))) for step in (n.water.step, n.plate.step)]
+    return f"Coupled {scheme}, window {window:.3g} s, in it {steps[0]} fluid and {steps[1]} solid steps."
 
 
 def _coloured(word: str) -> str:

@@ -55,6 +55,10 @@ def measure_water(scene: Scene) -> Water:
     courant = COURANT.get(fluid.model, 1.0) if fluid.courant == "auto" else fluid.courant
     still = start == 0.0 and walls == 0.0
     open_sides, open_top = unbacked(scene)
+    if fluid.model in COURANT:
+        step = _fluid_step(scene, courant, h, sound + start, g)
+    else:  # nothing moves in `still`; a wave in `column` must not come back within the step that sends it
+        step = min(scene.end_time, 2.0 * height / sound) if fluid.model == "column" else scene.end_time
     return Water(
         model=fluid.model,
         density=fluid.density,
@@ -66,7 +70,7 @@ def measure_water(scene: Scene) -> Water:
         h=h,
         support=support,
         particles=_fluid_particles(scene, support),
-        step=_fluid_step(scene, courant, h, sound + start, g),
+        step=step,
         courant=courant,
         rests=still and not open_sides,
         boxed=still and not open_sides and not open_top,

@@ -1,28 +1,38 @@
-"""The coupling window that a run would choose, from the scene alone."""
+"""The coupling that a run would choose, scheme and window, from the scene alone."""
 
 from __future__ import annotations
 
 import numpy as np
 
 from coupler.preflight_numbers import Numbers
-from coupler.window import window_length
+from coupler.window import Plan, make_plan, mass_ratio
 from shared.contract import Description
-from shared.schema import RIGID_MODELS, Scene
+from shared.schema import Scene
 
 _NOWHERE = np.zeros((0, 2)), np.zeros(0), np.zeros(0, dtype=np.int64)
 
 
-def expected_window(scene: Scene, n: Numbers) -> float | None:
-    """The window [s] by the rule that the run itself uses, on expected numbers; None for one side alone."""
+def expected_plan(scene: Scene, n: Numbers) -> Plan | None:
+    """Scheme and window by the rule that the run itself uses, on expected numbers; None for one side alone."""
     if n.joint is None:
         return None
     w, p = n.water, n.plate
-    fluid = {"density": w.density, "sound_speed": w.sound_speed, "support": w.support, "h": w.h}
+    fluid = {"density": w.density, "support": w.support, "h": w.h}
+    if _carries_sound(scene):
+        fluid["sound_speed"] = w.sound_speed
     solid = {"density": p.density, "thickness": p.thickness, "wave_speed": p.wave_speed}
     sides = (
-        Description("fluid", "fluid", w.model, w.step, w.dx, *_NOWHERE, fluid),
+        Description("fluid", "fluid", w.model, min(w.step, scene.end_time), w.dx, *_NOWHERE, fluid),
         Description("solid", "structure", p.model, p.step, scene.solid.dx, *_NOWHERE, solid),
     )
-    if p.model in RIGID_MODELS and p.density <= 0.0:
-        return None
-    return min(window_length(scene.coupling, *sides), scene.end_time)
+    return make_plan(scene.coupling, *sides, mass_ratio(scene, sides[1]))
+
+
+def expected_window(scene: Scene, n: Numbers) -> float | None:
+    """The window [s] of that plan."""
+    plan = expected_plan(scene, n)
+    return None if plan is None else min(plan.window, scene.end_time)
+
+
+def _carries_sound(scene: Scene) -> bool:
+    return scene.fluid.model != "still" and (scene.fluid.model != "column" or scene.fluid.column.compressible)
