@@ -15,6 +15,7 @@ from coupler.preflight_error import Parts, error_parts
 from coupler.preflight_numbers import Numbers, scene_numbers
 from coupler.preflight_rules import (
     ACROSS_WARN,
+    ALPHA_WARN,
     PARTICLE_FLUIDS,
     STEADY,
     SUPPORT_WARN,
@@ -172,8 +173,8 @@ def _with_models(scene: Scene, fluid: str | None, solid: str | None) -> tuple[Sc
 def _coupled(scene: Scene) -> tuple[Scene, tuple[str, ...]]:
     """The scene with the coupling that its models want, where the scene leaves it to be chosen.
 
-    Models without steps of their own take windows that the plate's swing can stand: explicit with water at rest, which
-    answers to places alone, so that next to nothing comes back within a window. Water in a box that a plate closes has
+    Models without steps of their own take windows that the plate's swing can stand: explicit where next to nothing comes
+    back within a window, as with water at rest, which answers to places alone. Water in a box that a plate closes has
     nowhere to go: its load is found by iteration.
     """
     n = scene_numbers(scene)
@@ -182,7 +183,9 @@ def _coupled(scene: Scene) -> tuple[Scene, tuple[str, ...]]:
     if n.water.model not in PARTICLE_FLUIDS:
         swing = math.inf if n.plate.frequency is None else 1.0 / (_WINDOWS_PER_PERIOD * n.plate.frequency)
         window = float(f"{min(scene.end_time / probe_rows(scene), swing):.3g}")
-        scheme = "serial-explicit" if n.water.model == "still" else "serial-implicit"
+        lag = n.water.density * n.water.sound_speed * window / (n.plate.density * n.plate.thickness)
+        little = n.water.model == "still" or (scene.fluid.column.compressible and lag <= ALPHA_WARN)
+        scheme = "serial-explicit" if little else "serial-implicit"
         update = {"scheme": scheme, "window": window}
     elif n.water.boxed and n.joint.closes and n.joint.mass_ratio > 1.0:
         update = {"scheme": "serial-implicit", "acceleration": "iqn-ils"}
