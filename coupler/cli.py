@@ -11,6 +11,7 @@ import typer
 from rich.console import Console
 from rich.table import Table
 
+from coupler.bench import exchange_line
 from coupler.chart import make_chart
 from coupler.chart_files import summary, write_chart
 from coupler.preflight import actual, preflight, stop_if_refused, warn_of
@@ -136,6 +137,16 @@ def cases() -> None:
         )
         table.add_row(name, sides, scene.title)
     Console().print(table)
+
+
+@app.command()
+def bench(
+    points: Annotated[int, typer.Option(help="Interface points on each side.", min=10)] = 1000,
+    windows: Annotated[int, typer.Option(help="Windows timed.", min=10)] = 2000,
+) -> None:
+    """Time the exchange itself: windows of models that compute next to nothing, over both links."""
+    for link in LinkKind:
+        print(exchange_line(link.value, points, windows), flush=True)
 
 
 def parse_threads(text: str) -> dict[str, int]:

@@ -79,7 +79,7 @@ class Ledger:
     def record(self, window: Window, outcome: Outcome) -> None:
         """One accepted window. Raises LedgerExceeded past a limit."""
         used, found, mapped = outcome.used, outcome.found, outcome.mapped
-        forces = [loads.force.sum(axis=0) for loads in (found, mapped, used)]
+        forces = [np.ones(len(loads.force)) @ loads.force for loads in (found, mapped, used)]
         self._impulse_fluid += forces[0] * window.length
         self._impulse_structure += forces[2] * window.length
         (points0, points1), (ghosts0, ghosts1) = outcome.points, outcome.ghosts
@@ -87,7 +87,7 @@ class Ledger:
         self._work_fluid -= float(np.vdot(found.force, ghosts1.position - ghosts0.position))
         self._largest_work = max(self._largest_work, abs(self._work), abs(self._work_fluid))
         self._largest_impulse = max(self._largest_impulse, float(np.hypot(*self._impulse_fluid)))
-        scale = float(np.abs(found.force).sum())
+        scale = float((np.ones(len(found.force)) @ np.abs(found.force)).sum())
         if scale > 0.0:
             self._mapping_error = max(self._mapping_error, float(np.abs(forces[0] - forces[1]).max()) / scale)
         numbers = [window.t1, outcome.changes[-1], *(c for f in forces for c in f.tolist())]

@@ -7,35 +7,41 @@ total moment and virtual work are kept exactly (Farhat, Lesoinne & Le Tallec, Co
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 import numpy as np
-from scipy.sparse import csr_matrix
+from scipy.sparse import csr_matrix, diags_array, identity
 from scipy.spatial import cKDTree
 
-from shared.contract import BadInput, Description, Kinematics, Loads, exchange_fields
+from shared.contract import EXCHANGE_FIELDS, BadInput, Description, Kinematics, Loads
 
 _COINCIDENT = 1e-9  # of the structure's spacing
 _SUPPORT = 2.1  # of the structure's spacing: radius of the fit round a ghost, a ring of two neighbours on a lattice
 _LEAST_SPREAD = 1e-6  # smallest eigenvalue over largest of the moment matrix: below it the points lie on a line
 
 
-@dataclass(frozen=True)
 class Mapping:
-    """H (ghosts × selected points) and the structure's points that it touches."""
+    """H (ghosts × selected points), and `selection`: the structure's points that it touches."""
 
-    matrix: csr_matrix
-    selection: np.ndarray
+    def __init__(self, matrix: csr_matrix, selection: np.ndarray):
+        self.matrix, self.selection = matrix, selection
+        self._transposed = matrix.T.tocsr()
+        weight = np.abs(matrix).T.tocsr()
+        share = np.asarray(weight.sum(axis=1)).ravel()
+        self._mean = diags_array(1.0 / share).tocsr() @ weight
+        self._identity = matrix.shape[0] == matrix.shape[1] and (matrix != identity(matrix.shape[0])).nnz == 0
 
     def motion(self, motion: Kinematics) -> Kinematics:
         """Structure → fluid: kinematics of the ghosts."""
-        return Kinematics(**{name: self.matrix @ array for name, array in exchange_fields(motion).items()})
+        if self._identity:
+            return motion
+        names = EXCHANGE_FIELDS[Kinematics]
+        ghosts = self.matrix @ np.concatenate([getattr(motion, name) for name in names], axis=1)
+        return Kinematics(*(np.ascontiguousarray(ghosts[:, 2 * k : 2 * k + 2]) for k in range(len(names))))
 
     def loads(self, loads: Loads) -> Loads:
         """Fluid → structure: forces by the transpose; pressures as the mean over the ghosts that a point serves."""
-        weight = np.abs(self.matrix).T
-        share = np.asarray(weight.sum(axis=1)).ravel()
-        return Loads(weight @ loads.pressure / share, self.matrix.T @ loads.force)
+        if self._identity:
+            return loads
+        return Loads(self._mean @ loads.pressure, self._transposed @ loads.force)
 
 
 def build_mapping(structure: Description, fluid: Description) -> Mapping:

@@ -92,9 +92,13 @@ class Loads:
 Exchange = Kinematics | Loads
 
 
+EXCHANGE_FIELDS = {kind: tuple(f.name for f in fields(kind)) for kind in (Kinematics, Loads)}
+"""Names of the fields of either kind of exchange, in order."""
+
+
 def exchange_fields(exchange: Exchange) -> dict[str, np.ndarray]:
     """The exchange as named arrays."""
-    return {f.name: getattr(exchange, f.name) for f in fields(exchange)}
+    return {name: getattr(exchange, name) for name in EXCHANGE_FIELDS[type(exchange)]}
 
 
 @dataclass(frozen=True)

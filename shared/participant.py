@@ -75,6 +75,7 @@ class Participant:
         """
         self._need(self._stage == "described", "start", "describe must come first, and start only once")
         self._clock, self._selection, self._rollback = clock, np.asarray(selection), rollback
+        self._whole = np.array_equal(self._selection, np.arange(len(self.model.describe().position)))
         self._frames, self._probe_rows = frames, probe_rows
         self._points = len(self.model.describe().position)
         own = self.model.begin(motion)
@@ -205,11 +206,13 @@ class Participant:
 
     def _selected(self, exchange: Exchange) -> Exchange:
         """The exchange on the points that travel."""
-        return type(exchange)(**{n: a[self._selection] for n, a in exchange_fields(exchange).items()})
+        if self._whole:
+            return exchange
+        return type(exchange)(**{n: a.take(self._selection, axis=0) for n, a in exchange_fields(exchange).items()})
 
     def _spread(self, boundary: Exchange | None) -> Exchange | None:
         """The partner's data on all own points: no load where nothing travels (a fluid's ghosts all travel)."""
-        if not isinstance(boundary, Loads):
+        if not isinstance(boundary, Loads) or self._whole:
             return boundary
         full = Loads.zero(self._points)
         full.pressure[self._selection] = boundary.pressure

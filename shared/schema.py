@@ -7,7 +7,7 @@ messages and the checks are made from it. All quantities SI, two dimensions, pla
 from __future__ import annotations
 
 import itertools
-from typing import Annotated, Any, Literal
+from typing import Annotated, Literal
 
 from pydantic import ConfigDict, Field, field_validator, model_validator
 

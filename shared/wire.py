@@ -142,9 +142,11 @@ def _unpack_array(name: Any, spec: Any) -> np.ndarray:
         size = len(data) if isinstance(data, bytes) else type(data).__name__
         raise BadMessage(f"field {name!r}: shape {shape} of {spec['dtype']} does not fit data of {size} bytes")
     array = np.frombuffer(data, dtype).reshape(shape)
-    if dtype.kind == "f" and not np.isfinite(array).all():
+    flat = array.ravel()
+    if dtype.kind == "f" and not math.isfinite(flat @ flat):  # quick, and not finite for huge values too
         bad = int(np.count_nonzero(~np.isfinite(array)))
-        raise BadMessage(f"field {name!r} has {bad} value(s) that are not finite")
+        if bad:
+            raise BadMessage(f"field {name!r} has {bad} value(s) that are not finite")
     return array
 
 
