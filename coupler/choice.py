@@ -79,9 +79,9 @@ class Auto:
             return outcome
         if is_measured(window.index):
             outcome = serial_implicit(c, window, self._twice)
-            first, second = outcome.changes
-            if first > _QUIET and second > _LARGEST_RESPONSE * first:
-                self._step_up(window, f"measured response of the load to itself {second / first:.2g}")
+            first, *again = outcome.changes  # a load that is right at once, such as none, is not asked for twice
+            if again and first > _QUIET and again[0] > _LARGEST_RESPONSE * first:
+                self._step_up(window, f"measured response of the load to itself {again[0] / first:.2g}")
             return outcome
         outcome = serial_explicit(c, window, self._measure)
         self._watch(window, outcome)
