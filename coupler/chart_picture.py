@@ -16,6 +16,7 @@ _COLOURS = ("#0b4f8a", "#d55e00", "#009e73", "#cc79a7", "#e69f00", "#56b4e9", "#
 _MARKERS = "osD^vP*X"
 _FLOOR = 1e-5  # error below which points are drawn on the floor
 _LONGEST_NAME = 46
+_SPREAD_OF = 3  # references besides the truth from which on they are a spread
 
 
 def draw_chart(chart: Chart, path: Path) -> Path:
@@ -31,9 +32,11 @@ def draw_chart(chart: Chart, path: Path) -> Path:
         axes.plot(*_places(own, floor), linewidth=0.9, markersize=4.5, label=series[:_LONGEST_NAME], **style)
     if chart.front:
         front = _places(chart.front, floor)
-        axes.plot(*front, color=INK, linewidth=5.0, alpha=0.15, zorder=1, label="Pareto front")
+        axes.plot(
+            *front, color=INK, linewidth=5.0, marker="o", markersize=11, alpha=0.15, zorder=1, label="Pareto front"
+        )
     axes.axhline(chart.scene.goal.error, color=FAINT, linestyle="--", linewidth=0.9, label="wanted error")
-    if chart.spread:
+    if len(chart.spread) >= _SPREAD_OF:
         largest = max(abs(v) for v in chart.spread.values())
         axes.axhspan(floor, largest, color="#f0e442", alpha=0.2, linewidth=0, zorder=0, label="spread of references")
     axes.set_xscale("log")

@@ -18,6 +18,8 @@ from coupler.preflight import actual, preflight, stop_if_refused, warn_of
 from coupler.preflight_auto import chosen, run_one_side
 from coupler.preflight_table import print_preflight
 from coupler.run import run_coupled
+from coupler.stability import find_boundaries, write_map
+from coupler.stability_map import load_map
 from shared.commands import (
     Case,
     Out,
@@ -124,6 +126,23 @@ def chart(
     if not quiet:
         for line in (*summary(found), *map(str, paths)):
             print(line)
+
+
+@app.command()
+def stability(
+    map_file: Annotated[str, typer.Argument(metavar="MAP", help="A map's file, or the name of a shipped map.")],
+    out: Annotated[
+        Path | None, typer.Option(help="Folder of the map; default runs/map-MAP.", show_default=False)
+    ] = None,
+    quiet: Quiet = False,
+) -> None:
+    """Draw a stability map from runs, with theory's boundary over it."""
+    given = load_map(map_file)
+    found = find_boundaries(given, (lambda text: None) if quiet else lambda text: print(text, flush=True))
+    paths = write_map(given, found, out or Path("runs") / f"map-{case_name(map_file)}")
+    if not quiet:
+        for path in paths:
+            print(path)
 
 
 @app.command()

@@ -24,6 +24,7 @@ PARTICLE_S = {"ctvf": 3.0e-7, "wcsph": 2.1e-7, "still": 0.0, "column": 0.0}
 """Per fluid particle and step, Wendland C2 at h = 1.3 dx; others in proportion to their neighbours."""
 SOLID_STEP_S = {"total-lagrangian": 3e-6, "ctvf": 5e-5, "beam": 3e-5, "rigid": 2e-5, "spring": 5e-5}
 SOLID_PARTICLE_S = {"total-lagrangian": 7.5e-8, "ctvf": 8e-7, "beam": 2.5e-7, "rigid": 0.0, "spring": 0.0}
+LINEAR_SHARE = 0.45  # of the quadratic gradient's cost per particle, model ctvf of the solid
 WINDOW_S = 4e-4
 """Per coupling window, both sides: messages, bookkeeping."""
 ITERATIONS = 3.0
@@ -61,7 +62,10 @@ def predicted_cost(scene: Scene, n: Numbers, slower: float = 1.0) -> Cost:
     if n.plate is not None:
         solid_steps = windows * math.ceil(length / n.plate.step * (1.0 - 1e-9))
         model = n.plate.model
-        work += solid_steps * (SOLID_STEP_S[model] + SOLID_PARTICLE_S[model] * n.plate.particles)
+        each = SOLID_PARTICLE_S[model]
+        if model == "ctvf" and scene.solid.gradient != "quadratic":
+            each *= LINEAR_SHARE
+        work += solid_steps * (SOLID_STEP_S[model] + each * n.plate.particles)
     sides = (n.water is not None) + (n.plate is not None)
     work += windows * WINDOW_S * (1.0 if sides == 2 else 0.3)
     if sides == 2 and expected_plan(scene, n).scheme.endswith("implicit"):

@@ -173,8 +173,8 @@ def _with_models(scene: Scene, fluid: str | None, solid: str | None) -> tuple[Sc
 def _coupled(scene: Scene) -> tuple[Scene, tuple[str, ...]]:
     """The scene with the coupling that its models want, where the scene leaves it to be chosen.
 
-    Models without steps of their own take windows that the plate's swing can stand: explicit where next to nothing comes
-    back within a window, as with water at rest, which answers to places alone. Water in a box that a plate closes has
+    Models without steps of their own take windows that the plate's swing can stand: explicit where little comes back
+    within a window, as with water at rest, which answers to places alone. Water in a box that a plate closes has
     nowhere to go: its load is found by iteration.
     """
     n = scene_numbers(scene)

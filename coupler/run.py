@@ -59,7 +59,7 @@ def run_coupled(
         _sides(scene, threads, link, run, run_dir) as both,
     ):
         record.preflight |= preflight or {}
-        _couple(scene, both["fluid"], both["solid"], record)
+        couple(scene, both["fluid"], both["solid"], record)
     return record
 
 
@@ -71,7 +71,7 @@ def _sides(scene: Scene, threads: dict[str, int], link: str, run: str, run_dir: 
     return solver_processes(run, run_dir, threads, scene.coupling.stall_after)
 
 
-def _couple(scene: Scene, fluid: Remote, structure: Remote, record: Record) -> None:
+def couple(scene: Scene, fluid: Remote, structure: Remote, record: Record) -> None:
     """Describe, map, plan, start, march, finish."""
     described_fluid, described_structure = fluid.describe(), structure.describe()
     mapping = build_mapping(described_structure, described_fluid)
@@ -87,7 +87,7 @@ def _couple(scene: Scene, fluid: Remote, structure: Remote, record: Record) -> N
         "ghosts": len(described_fluid.position),
         "interface_points": len(mapping.selection),
     }
-    log.info("window %.4g s, %d windows; pre-flight %s", clock.window_length, clock.count, record.preflight)
+    log.info("window %.4g s, %d windows, r = %.4g", clock.window_length, clock.count, r)
     for reason in plan.reasons:
         log.info("%s", reason)
     c = start(scene, clock, mapping, fluid, structure, record)
