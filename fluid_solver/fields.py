@@ -16,7 +16,7 @@ PR2 = 10  # p/ρ² [m⁴/(kg s²)]
 AX, AY = 11, 12  # acceleration du/dt + transport terms [m/s²]; of ghosts: the prescribed one
 NX, NY = 13, 14  # outward unit normal of particles at the free surface, else zero
 GX, GY = 15, 16  # velocity that divergence, ∇u and viscosity see: u; of ghosts mirrored from the fluid's
-FRICTION = 17  # weight of viscous pair forces: 1, and 0 on free-slip walls
+FRICTION = 17  # weight of artificial viscosity: 1, and 0 on free-slip walls
 ROWS = 18
 
 FLUID = 0

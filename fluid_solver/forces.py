@@ -41,11 +41,13 @@ def force_rows(viscous: bool, shifting: bool) -> tuple[int, ...]:
 @inline_njit
 def pair_force(viscous, rx, ry, ux, uy, gux, guy, m_b, vol_b, pr2_b, friction, pr2_a, inv_rho_a, F, c):
     """Acceleration (x, y) [m/s²] that b adds to a. Times m_a it is antisymmetric in a and b, to rounding."""
-    g_b = friction * mean_specific_mass(m_b, vol_b, inv_rho_a)
+    r2 = rx * rx + ry * ry
+    g_b = mean_specific_mass(m_b, vol_b, inv_rho_a)
     along = pressure_force(m_b, pr2_a, pr2_b)
-    along += artificial_viscosity(g_b, rx, ry, ux, uy, rx * rx + ry * ry, c.h, c.alpha * c.h * c.c0)
-    across = laminar_viscosity(g_b, c.nu, F) if viscous else 0.0
-    return along * F * rx + across * gux, along * F * ry + across * guy
+    along += artificial_viscosity(friction * g_b, rx, ry, ux, uy, r2, c.h, c.alpha * c.h * c.c0)
+    if viscous:
+        along += laminar_viscosity(g_b, rx, ry, gux, guy, r2, c.h, c.nu)
+    return along * F * rx, along * F * ry
 
 
 @cache

@@ -85,7 +85,8 @@ def fluid_particles(scene: Scene, c0: float) -> FluidParticles:
         n = len(lattice.position)
         if n == 0:
             raise BadInput(f"fluid body {body.name!r} holds no particle at fluid.dx = {fluid.dx:g} m: make dx smaller.")
-        position, pressure = off_faces(lattice.position, faces, CLEAR * fluid.dx), np.zeros(n)
+        position = shaken(lattice.position, fluid.shake * fluid.dx)
+        position, pressure = off_faces(position, faces, CLEAR * fluid.dx), np.zeros(n)
         if fluid.initial_pressure == "hydrostatic":
             gravity = np.where(np.diff(period_of(scene))[:, 0] > 0.0, 0.0, scene.gravity)
             position, pressure = settle(body, position, gravity, c0, fluid.density)
@@ -102,6 +103,11 @@ def fluid_particles(scene: Scene, c0: float) -> FluidParticles:
             )
         )
     return FluidParticles(*(np.concatenate(column) for column in zip(*parts, strict=True)))
+
+
+def shaken(position: np.ndarray, size: float) -> np.ndarray:
+    """`position` (n, 2) with every coordinate moved by up to `size` [m], at random but always the same."""
+    return position + np.random.default_rng(0).uniform(-size, size, position.shape) if size > 0.0 else position
 
 
 def wetted_faces(scene: Scene) -> np.ndarray:

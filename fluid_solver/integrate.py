@@ -33,10 +33,6 @@ from fluid_solver.fields import (
 )
 from shared.jit import parallel_njit
 
-TENSION_LIMIT = 0.01
-"""Largest tension over ρ0 c0²: c0 is ten times the largest speed expected, so this is twice the flow's own dynamic
-pressure. Beyond it, pulled particles clump, lose the density that would stop them at a wall, and shoot out of it."""
-
 
 @parallel_njit
 def kick_and_drift(S, kind, count, dt, speeds):
@@ -64,13 +60,18 @@ def kick_and_drift(S, kind, count, dt, speeds):
 
 
 @parallel_njit
-def advance_and_drift(S, kind, count, dt, c, R):
-    """p a full step on, and with it ρ = ρ0 + p/c²; then x += (u + δu) dt/2. Tension ends at `TENSION_LIMIT`."""
-    weakest = -TENSION_LIMIT * c.rho0 * c.c0 * c.c0
+def advance_and_drift(S, kind, count, dt, c, R, clipped):
+    """p a full step on, not below c.weakest, and with it ρ = ρ0 + p/c²; then x += (u + δu) dt/2.
+
+    `clipped` (blocks,) [N s/m] grows by Σ V Δp/c0 of the tension Δp taken off: the impulse of the sound it would send.
+    """
     for block in numba.prange((count + BLOCK - 1) // BLOCK):
+        taken = 0.0
         for i in range(block * BLOCK, min(block * BLOCK + BLOCK, count)):
             if kind[i] == FLUID:
-                p = max(S[P, i] + dt * R[DP, i], weakest)
+                free = S[P, i] + dt * R[DP, i]
+                p = max(free, c.weakest)
+                taken += S[VOL, i] * (p - free)
                 rho = c.rho0 + p / (c.c0 * c.c0)
                 S[RHO, i] = rho
                 S[P, i] = p
@@ -78,6 +79,33 @@ def advance_and_drift(S, kind, count, dt, c, R):
                 S[PR2, i] = p / (rho * rho)
                 S[X, i] += 0.5 * dt * (S[U, i] + S[SX, i])
                 S[Y, i] += 0.5 * dt * (S[V, i] + S[SY, i])
+        clipped[block] += taken / c.c0
+
+
+@parallel_njit
+def keep_volume(S, kind, count, volume, c, sums):
+    """Shift p of all fluid by what makes Σ m/ρ the `volume` [m²] that the walls leave it.
+
+    In a disordered fluid Σ V ∇·u is not quite zero. With no free surface to yield, a mean pressure would grow from it,
+    and with that the noise of the pressure force.
+    """
+    blocks = (count + BLOCK - 1) // BLOCK
+    for block in numba.prange(blocks):
+        total = 0.0
+        for i in range(block * BLOCK, min(block * BLOCK + BLOCK, count)):
+            if kind[i] == FLUID:
+                total += S[VOL, i]
+        sums[0, block] = total
+    shift = c.rho0 * c.c0 * c.c0 * (np.sum(sums[0, :blocks]) / volume - 1.0)
+    for block in numba.prange(blocks):
+        for i in range(block * BLOCK, min(block * BLOCK + BLOCK, count)):
+            if kind[i] == FLUID:
+                p = S[P, i] + shift
+                rho = c.rho0 + p / (c.c0 * c.c0)
+                S[RHO, i] = rho
+                S[P, i] = p
+                S[VOL, i] = S[M, i] / rho
+                S[PR2, i] = p / (rho * rho)
 
 
 @parallel_njit

@@ -16,12 +16,13 @@ from fluid_solver import diagnosis
 from fluid_solver.fields import FLUID, FREE_SLIP, FRICTION, GX, GY, PARKED, PR2, RHO, ROWS, VOL, M, P, U, V, X, Y
 from fluid_solver.forces import make_forces
 from fluid_solver.initial import fluid_particles, lay_ghosts, sound_speed
-from fluid_solver.integrate import advance_and_drift, kick, kick_and_drift, largest
+from fluid_solver.integrate import advance_and_drift, keep_volume, kick, kick_and_drift, largest
 from fluid_solver.motion import POSE, WallMotion, place_ghosts, structure_pose
 from fluid_solver.observe import Observer
 from fluid_solver.parameters import Parameters, parameters, stable_courant
 from fluid_solver.period import period_of, wrapped
 from fluid_solver.rates import make_rates
+from fluid_solver.sampling import FILLED, lowest_filling
 from fluid_solver.store import Store
 from fluid_solver.walls import make_ghost_velocity, make_ghosts
 from shared.contract import Description, Frame, Kinematics, Loads
@@ -61,6 +62,7 @@ class ParticleFluid:
         self._threads = threads if self.particles() >= SERIAL_BELOW else 1
         self._set_up_motion()
         self.force = np.zeros((len(self.ghosts.position), 2))  # N/m on every ghost, at the last step's end
+        self._volume = 0.0  # m² that the walls leave the fluid; 0 where it has a free surface
         self._speed = 0.0  # largest |u| at the last half step
         self._steps = 0
         self._observer = Observer(scene, kernel, self.c, self.ghosts, self._first, water.body)
@@ -118,8 +120,16 @@ class ParticleFluid:
         cells = store.start, store.grid, store.edges, store.buffers, self.c
         self._ghost_velocity(store.S, store.kind, store.ids, *cells, self._first, self._pose)
         self._accelerate()
+        self._volume = self._enclosed_volume()
         kick(store.S, store.kind, store.count, 0.0, self._transported, store.work)
         return self._loads(self.force[self._walls :].copy())
+
+    def _enclosed_volume(self) -> float:
+        """Volume [m²] of fluid without a free surface between walls that stand still; 0 for any other."""
+        store = self.store
+        if self._moving or self._coupled or lowest_filling(store.S, store.start, store.grid, self.c) < FILLED:
+            return 0.0
+        return float(store.S[VOL, store.kind == FLUID].sum())
 
     def stable_step(self) -> float:
         """Least of the acoustic, viscous and force limits [s]."""
@@ -163,7 +173,9 @@ class ParticleFluid:
         cells = store.start, store.grid, store.edges, store.buffers, c
         self._ghost_velocity(store.S, store.kind, store.ids, *cells, self._first, self._pose)
         self._rates(store.S, *cells, store.work)
-        advance_and_drift(store.S, store.kind, store.count, dt, c, store.work)
+        advance_and_drift(store.S, store.kind, store.count, dt, c, store.work, store.clipped)
+        if self._volume > 0.0:
+            keep_volume(store.S, store.kind, store.count, self._volume, c, store.speeds)
         self._place(t0, since + dt, length, boundary)
         store.moved += reach
         # 7, 8  pressures of ghosts, eq. 14; accelerations, shifting and surface at the new positions
@@ -212,6 +224,7 @@ class ParticleFluid:
             "v0": self._v0,
             "pose": self._pose,
             "speed": np.array([self._speed]),
+            "volume": np.array([self._volume]),
         }
 
     def restore(self, state: Mapping[str, np.ndarray]) -> None:
@@ -219,7 +232,7 @@ class ParticleFluid:
         self.store.restore(state)
         for name, array in (("force", self.force), ("x0", self._x0), ("v0", self._v0), ("pose", self._pose)):
             array[...] = state[name]
-        self._speed = float(state["speed"][0])
+        self._speed, self._volume = float(state["speed"][0]), float(state["volume"][0])
 
     def check(self) -> None:
         """Raise SolverFailed if the state is not finite or the density far off."""

@@ -5,15 +5,16 @@ from __future__ import annotations
 import numpy as np
 
 from fluid_solver.cells import neighbour
-from fluid_solver.fields import FLUID, RHO, STRUCTURE, M, P, U, V, X, Y
-from fluid_solver.motion import nearest_image
+from fluid_solver.fields import FLUID, RHO, STRUCTURE, M, U, V, X, Y
+from fluid_solver.sampling import sample, surface_at
 from shared.jit import njit
-from shared.kernels import Kernel, kernel_w
+from shared.kernels import Kernel
 from shared.schema import Probe, Scene
 
 CONNECTED = 6  # fluid neighbours within the support that make a particle part of the bulk, not of the spray
 INSIDE = 0.5  # of dx: fluid nearer than this to a ghost's centre is inside a wall
-_SIDES = {"displacement-x", "displacement-y"}  # quantities of the structure's side
+_SAMPLED = ("pressure", "velocity-x", "velocity-y")  # as `sample` returns them
+_FORCES = ("force-x", "force-y")
 
 
 class Observer:
@@ -30,8 +31,7 @@ class Observer:
         self._probes = [p for p in scene.probes if self._is_mine(p)]
 
     def _is_mine(self, probe: Probe) -> bool:
-        of_solid = probe.quantity in ("kinetic-energy", "max-speed") and probe.body in self._solids
-        return probe.quantity not in _SIDES and not of_solid
+        return probe.body not in self._solids or probe.quantity in _FORCES
 
     def values(self, store, force: np.ndarray) -> dict[str, float]:
         """Present value of every fluid probe, by name. `force` (ghosts, 2) [N/m]: of the fluid on each ghost."""
@@ -40,10 +40,14 @@ class Observer:
     def _value(self, probe: Probe, store, force: np.ndarray) -> float:
         S, quantity = store.S[:, : store.count], probe.quantity
         kind = store.kind[: store.count]
-        if quantity == "pressure":
-            return pressure_at(S, kind, self._kernel, *probe.point, store.grid, self._c)
-        if quantity in ("force-x", "force-y"):
-            return force[self._owned_by(probe.body), 0 if quantity == "force-x" else 1].sum()
+        if quantity in _SAMPLED:
+            return sample(S, kind, self._kernel, *probe.point, store.grid, self._c)[_SAMPLED.index(quantity)]
+        if quantity == "elevation":
+            return surface_at(S, kind, self._kernel, probe.point[0], store.grid, self._c) - probe.point[1]
+        if quantity in _FORCES:
+            return force[self._owned_by(probe.body), _FORCES.index(quantity)].sum()
+        if quantity == "clipped-impulse":
+            return store.clipped.sum()
         if quantity == "leaked":
             reach = INSIDE * self._c.dx
             return store.parked + inside_walls(S, store.start, store.grid, reach)
@@ -55,7 +59,9 @@ class Observer:
         if quantity == "max-speed":
             return np.hypot(S[U, chosen], S[V, chosen]).max()
         if quantity == "kinetic-energy":
-            return 0.5 * np.sum(S[M, chosen] * (S[U, chosen] ** 2 + S[V, chosen] ** 2))
+            return kinetic(S[:, chosen])
+        if quantity == "total-energy":
+            return kinetic(S[:, chosen]) + stored(S[:, chosen], self._c)
         axis = X if quantity == "front-x" else Y
         return self._front(S, chosen, axis)
 
@@ -73,20 +79,15 @@ class Observer:
         return ~structure & (self._ghosts.owner == self._walls[name])
 
 
-@njit
-def pressure_at(S, kind, kernel, x, y, grid, c):
-    """Pressure [Pa] at (x, y): eq. 14 at a point that stands still, exact for linear fields; 0 without fluid."""
-    total = p = 0.0
-    for b in range(kind.size):
-        if kind[b] == FLUID:
-            rx = nearest_image(x - S[X, b], 0.0, grid.period_x)
-            ry = nearest_image(y - S[Y, b], 0.0, grid.period_y)
-            r2 = rx * rx + ry * ry
-            if r2 < c.support * c.support:
-                w = kernel_w(kernel, r2, c.h)
-                total += w
-                p += w * (S[P, b] + S[RHO, b] * (c.gx * rx + c.gy * ry))
-    return p / total if total > 0.0 else 0.0
+def kinetic(S: np.ndarray) -> float:
+    """Kinetic energy [J/m] of particles with state `S` (ROWS, n)."""
+    return float(0.5 * np.sum(S[M] * (S[U] ** 2 + S[V] ** 2)))
+
+
+def stored(S: np.ndarray, c) -> float:
+    """Energy [J/m] in the height, zero at the origin, and in the compression: ∫ p/ρ² dρ = c²(ln ρ/ρ0 + ρ0/ρ − 1)."""
+    squeezed = np.log(S[RHO] / c.rho0) + c.rho0 / S[RHO] - 1.0
+    return float(np.sum(S[M] * (c.c0**2 * squeezed - c.gx * S[X] - c.gy * S[Y])))
 
 
 @njit

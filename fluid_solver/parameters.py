@@ -11,6 +11,9 @@ from shared.kernels import Kernel, evaluate
 from shared.schema import Fluid, Scene
 
 EDAC_ALPHA = 0.5  # ν_e = EDAC_ALPHA h c0/8 (Ramachandran & Puri 2019)
+_WEAKEST = {"limited": -0.01, "none": 0.0, "free": -math.inf}
+"""Lowest pressure over ρ0 c0². Limited: c0 is ten times the largest speed expected, so this is twice the flow's own
+dynamic pressure. Beyond it, pulled particles clump, lose the density that would stop them at a wall, and shoot out."""
 COURANT = {"ctvf": 0.8, "wcsph": 0.9}
 """Time step over h/(c0 + speed). A dam break through its far-wall impact ran at 1.1 (ctvf) and 1.25 (wcsph) at α 0.1,
 at 0.9 (both) at α 0.02, dx 6 and 3 mm, Wendland C2 at h = 1.3 dx; at 1.0 with the quintic spline at h = dx."""
@@ -31,6 +34,7 @@ class Parameters(NamedTuple):
     gy: float
     w_dx: float  # W at the distance dx [1/m²]
     gradient: float  # factor on ∇W, see gradient_factor
+    weakest: float  # lowest pressure, the tension that is kept [Pa]; −∞ for any
 
 
 def parameters(scene: Scene, kernel: Kernel, c0: float) -> Parameters:
@@ -42,6 +46,7 @@ def parameters(scene: Scene, kernel: Kernel, c0: float) -> Parameters:
     values = (
         h, fluid.dx, kernel.support * h, fluid.density, c0, fluid.alpha, fluid.viscosity, EDAC_ALPHA * h * c0 / 8.0,
         gx, gy, w_dx, gradient_factor(kernel, fluid.h_over_dx),
+        _WEAKEST[fluid.negative_pressure] * fluid.density * c0**2,
     )  # fmt: skip
     return Parameters(*(float(value) for value in values))
 

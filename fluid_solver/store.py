@@ -31,7 +31,8 @@ class Store:
     """State `S` (ROWS, n), `kind` and `ids` (n,) in cell order; the first `count` take part, parked ones follow.
 
     `start`, `grid`: the cells (see cells.py); `edges`: chunks of cells; `buffers`: one per chunk; `work`: results of a
-    sweep; `speeds`: per-block maxima. `moved` [m]: a bound of the displacement since the last sort.
+    sweep; `speeds`: per-block maxima; `clipped`: per-block impulse of the tension taken off [N s/m]. `moved` [m]: a
+    bound of the displacement since the last sort.
     """
 
     def __init__(self, S: np.ndarray, kind: np.ndarray, support: float, domain: np.ndarray, period: np.ndarray):
@@ -44,6 +45,7 @@ class Store:
         self._ghosts = int(np.count_nonzero(self.kind != FLUID))
         self.work = np.zeros((WORK_ROWS, n))
         self.speeds = np.empty((2, n // BLOCK + 1))
+        self.clipped = np.zeros(n // BLOCK + 1)
         self.edges = np.zeros(CHUNKS + 1, dtype=np.int64)
         self.buffers = np.empty((CHUNKS, BUFFER_ROWS, LANES))
         self.start, self.count, self.parked = self._cells, n, 0
@@ -122,6 +124,7 @@ class Store:
             "start": self.start,
             "cells": np.array([self.grid.columns, self.grid.rows, self.count, self.parked]),
             "skin": np.array([self.moved, self._skin]),
+            "clipped": self.clipped,
         }
 
     def restore(self, state: Mapping[str, np.ndarray]) -> None:
@@ -132,6 +135,7 @@ class Store:
         columns, rows, self.count, self.parked = (int(k) for k in state["cells"])
         self.grid = self.grid._replace(columns=columns, rows=rows)
         self.moved, self._skin = (float(k) for k in state["skin"])
+        self.clipped[...] = state["clipped"]
         self._share()
 
 

@@ -9,6 +9,7 @@ from __future__ import annotations
 from shared.jit import inline_njit
 
 EPS = 0.01  # of h²: keeps 1/(r² + EPS h²) finite
+COINCIDENT = 1e-12  # of h²: below it two particles are one
 
 
 @inline_njit
@@ -59,9 +60,13 @@ def artificial_viscosity(g_b, rx, ry, ux, uy, r2, h, alpha_h_c):
 
 
 @inline_njit
-def laminar_viscosity(g_b, nu, F):
-    """2 ν F m_b/ρ̄, to be multiplied by u_ab [m/s²]. Morris et al. (1997), F in place of r·∇W/(r² + EPS)."""
-    return 2.0 * nu * g_b * F
+def laminar_viscosity(g_b, rx, ry, ux, uy, r2, h, nu):
+    """8 ν (u_ab·r_ab/r²) m_b/ρ̄, to be multiplied by ∇W [m/s²]. Monaghan & Gingold (1983), in two dimensions.
+
+    Along r_ab, so that angular momentum is kept, and a free surface feels no stress: the form along u_ab of Morris et
+    al. (1997) dissipates ν|∇u|² in place of 2ν D:D, half of a wave's.
+    """
+    return 8.0 * nu * g_b * (ux * rx + uy * ry) / max(r2, COINCIDENT * h * h)
 
 
 @inline_njit

@@ -19,10 +19,14 @@ UNITS = {
     "displacement-x": "m",
     "displacement-y": "m",
     "pressure": "Pa",
+    "velocity-x": "m/s",
+    "velocity-y": "m/s",
+    "elevation": "m",
     "front-x": "m",
     "level": "m",
     "max-speed": "m/s",
     "kinetic-energy": "J/m",
+    "total-energy": "J/m",
     "strain-energy": "J/m",
     "external-work": "J/m",
     "dissipated": "J/m",
@@ -38,6 +42,7 @@ UNITS = {
     "spacing-max": "-",
     "force-x": "N/m",
     "force-y": "N/m",
+    "clipped-impulse": "N s/m",
     "leaked": "particles",
 }
 """Unit of each probe quantity, per metre of depth."""

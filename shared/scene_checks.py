@@ -23,19 +23,27 @@ _ON_BODY = 1e-6  # distance over the body's size within which a point counts as 
 
 MATERIAL_POINT = ("displacement-x", "displacement-y", *STRESSES)
 
+AT_POINT_OF_FLUID = ("pressure", "velocity-x", "velocity-y", "elevation")
+OF_FLUID = (*AT_POINT_OF_FLUID, "front-x", "level", "total-energy", "clipped-impulse", "leaked", "force-x", "force-y")
+
 # What each quantity needs: the kinds of body it can be of, whether it must be given, whether a point is.
 _QUANTITIES = {
     "displacement-x": (("solid",), True, True),
     "displacement-y": (("solid",), True, True),
     "pressure": ((), False, True),
+    "velocity-x": ((), False, True),
+    "velocity-y": ((), False, True),
+    "elevation": ((), False, True),
     "front-x": (("fluid",), False, False),
     "level": (("fluid",), False, False),
     "max-speed": (("fluid", "solid"), True, False),
     "kinetic-energy": (("fluid", "solid"), True, False),
+    "total-energy": (("fluid",), False, False),
     **dict.fromkeys(SOLID_ONLY, (("solid",), True, False)),
     **dict.fromkeys(STRESSES, (("solid",), True, True)),
     "force-x": (("solid", "wall"), True, False),
     "force-y": (("solid", "wall"), True, False),
+    "clipped-impulse": ((), False, False),
     "leaked": ((), False, False),
 }
 
@@ -133,7 +141,7 @@ def _probes(scene: Scene) -> Iterator[str]:
 
 
 def _probe_sides(scene: Scene, path: str, quantity: str) -> Iterator[str]:
-    if quantity in ("pressure", "front-x", "level", "leaked", "force-x", "force-y") and scene.fluid is None:
+    if quantity in OF_FLUID and scene.fluid is None:
         yield f'{path}.quantity = "{quantity}": the scene has no fluid'
 
 

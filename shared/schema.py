@@ -235,9 +235,10 @@ class Periodic(Table):
 
 
 class Fluid(Table):
-    model: Literal["ctvf", "wcsph", "column"] = key(
+    model: Literal["ctvf", "wcsph", "still", "column"] = key(
         about=(
             "ctvf: EDAC pressure, transport velocity, shifting; wcsph: equation of state, no shifting; "
+            "still: water at rest, its weight on the structure's faces; "
             "column: one-dimensional columns standing side by side on the wetted faces (sound or added mass, no flow)"
         )
     )
@@ -263,6 +264,23 @@ class Fluid(Table):
     initial_pressure: Literal["hydrostatic", "zero"] = key(
         "hydrostatic",
         about="hydrostatic: each body starts as a settled compressible column; zero: at rest density",
+    )
+    negative_pressure: Literal["limited", "none", "free"] = key(
+        "limited",
+        about=(
+            "tension in the fluid. limited: down to 1 % of ρ c², twice the dynamic pressure of the fastest flow "
+            "expected; none: cut at zero; free: as it comes, particles may clump. Probe clipped-impulse: what was cut"
+        ),
+    )
+    shake: float = key(
+        0.0,
+        unit="dx",
+        about=(
+            "random displacement of every particle at t = 0, so that no lattice has to break up first: flows that "
+            "stretch water all over want 0.2"
+        ),
+        ge=0.0,
+        le=0.3,
     )
     structure_acceleration: bool = key(
         True, about="the structure's mean acceleration enters the ghost pressure (eq. 14)"
@@ -408,10 +426,15 @@ Quantity = Literal[
     "displacement-x",
     "displacement-y",
     "pressure",
+    "velocity-x",
+    "velocity-y",
+    "elevation",
     "front-x",
     "level",
     "max-speed",
     "kinetic-energy",
+    "total-energy",
+    "clipped-impulse",
     "strain-energy",
     "external-work",
     "dissipated",
@@ -435,8 +458,11 @@ class Probe(Table):
     name: Name = key(about="name, unique in the scene")
     quantity: Quantity = key(
         about=(
-            "displacement-x, -y: of a material point of a solid; pressure: of the fluid at a point; front-x, "
-            "level: largest x and y of connected fluid; max-speed, kinetic-energy: of a body; strain-energy, "
+            "displacement-x, -y: of a material point of a solid; pressure, velocity-x, -y: of the fluid at a "
+            "point; elevation: of the fluid's surface over a point; front-x, level: largest x and y of connected "
+            "fluid; max-speed, kinetic-energy: of a body; total-energy: of the fluid in motion, height (zero at the "
+            "origin) and compression; clipped-impulse: sum of V Δp/c over all tension Δp that "
+            "fluid.negative_pressure cut off so far; strain-energy, "
             "external-work (done by loads and fluid), dissipated (work and initial energy less the energy left: by "
             "damping, viscosity and the time integration), momentum-x, -y, angular-momentum (about the origin), "
             "reaction-x, -y (force of all clamps on the body), spacing-max (largest distance to the nearest particle "
@@ -454,7 +480,9 @@ class Probe(Table):
     )
 
 
-Statistic = Literal["mean", "min", "max", "final", "t_min", "t_max", "slope", "period", "change"]
+Statistic = Literal[
+    "mean", "min", "max", "final", "t_min", "t_max", "slope", "period", "change", "decay", "wave-period", "wave-decay"
+]
 
 
 class Reference(Table):
@@ -474,7 +502,8 @@ class Reference(Table):
         about=(
             "what is compared; mean is over output.average_from … end; period: mean time between crossings, all "
             "the same way, of the middle between the largest and the smallest value; change: last less first, over the "
-            "largest size"
+            "largest size; decay: rate of an exponential decay [1/s]; wave-period, wave-decay: of a decaying "
+            "oscillation, fitted"
         ),
     )
     between: Pair | None = key(

@@ -9,18 +9,21 @@ from __future__ import annotations
 import math
 
 import numpy as np
+from scipy.optimize import least_squares
 
 Interval = tuple[float, float]
 
+_OF_POINTS = ("slope", "period", "decay", "wave-period", "wave-decay")  # not of ends that are interpolated
+_LEAST_FOR_A_WAVE = 8  # points
 _TIME_ROUNDING = 1e-9  # of an interval's length, within which a history that ends there covers it
 
 
 def statistic(name: str, time: np.ndarray, value: np.ndarray, between: Interval | None = None) -> float | None:
-    """One of mean, min, max, final, t_min, t_max, slope, period, change over `between` [s] (default: all of it).
+    """One of mean, min, max, final, t_min, t_max, slope, period, change, decay, wave-period, wave-decay.
 
-    mean is time-weighted (trapezoidal rule), slope that of the least-squares line through the points, t_min and t_max
-    the first times of the extremes, period as in `_period`. None if the history does not cover the interval, or has no
-    value in it.
+    Over `between` [s] (default: all of it). mean is time-weighted (trapezoidal rule), slope that of the least-squares
+    line through the points, t_min and t_max the first times of the extremes, period as in `_period`, decay as in
+    `_decay`, the waves' as in `_wave`. None if the history does not cover the interval, or has no value in it.
     """
     time, value = finite(time, value)
     if len(time) == 0:
@@ -28,7 +31,7 @@ def statistic(name: str, time: np.ndarray, value: np.ndarray, between: Interval 
     if between is not None:
         if not covers(time, between):
             return None
-        time, value = _cut(time, value, between, with_ends=name not in ("slope", "period"))
+        time, value = _cut(time, value, between, with_ends=name not in _OF_POINTS)
     return _STATISTICS[name](time, value)
 
 
@@ -95,6 +98,37 @@ def _change(time: np.ndarray, value: np.ndarray) -> float:
     return float(value[-1] - value[0]) / size if size > 0.0 else 0.0
 
 
+def _decay(time: np.ndarray, value: np.ndarray) -> float | None:
+    """Rate [1/s] of an exponential decay: minus the slope of the logarithm's line; None unless all is of one sign."""
+    if not (np.all(value > 0.0) or np.all(value < 0.0)):
+        return None
+    slope = _slope(time, np.log(np.abs(value)))
+    return None if slope is None else -slope
+
+
+def _wave(time: np.ndarray, value: np.ndarray) -> tuple[float, float] | None:
+    """Period [s] and decay rate γ [1/s] of the best fit d + e^(−γt) (a + b cos ωt + c sin ωt); None for a flat history.
+
+    a to d are linear and solved for inside; the search starts at the strongest of the Fourier frequencies.
+    """
+    if len(time) < _LEAST_FOR_A_WAVE or np.ptp(value) == 0.0:
+        return None
+    t = time - time[0]
+    even = np.linspace(0.0, t[-1], 4 * len(t))
+    line = np.polyfit(even, np.interp(even, t, value), 1)
+    spectrum = np.abs(np.fft.rfft(np.interp(even, t, value) - np.polyval(line, even), 8 * len(even)))
+    strongest = max(1, int(spectrum.argmax()))
+    omega = 2.0 * math.pi * strongest / (8 * len(even) * (even[1] - even[0]))
+
+    def misfit(guess):
+        fading = np.exp(-guess[1] * t)
+        shape = np.c_[np.ones_like(t), fading, fading * np.cos(guess[0] * t), fading * np.sin(guess[0] * t)]
+        return shape @ np.linalg.lstsq(shape, value, rcond=None)[0] - value
+
+    found = least_squares(misfit, [omega, 1.0 / t[-1]], x_scale=[omega, 1.0 / t[-1]]).x
+    return 2.0 * math.pi / abs(found[0]), float(found[1])
+
+
 _STATISTICS = {
     "mean": _mean,
     "min": lambda time, value: float(value.min()),
@@ -105,4 +139,7 @@ _STATISTICS = {
     "slope": _slope,
     "period": _period,
     "change": _change,
+    "decay": _decay,
+    "wave-period": lambda time, value: (_wave(time, value) or (None, None))[0],
+    "wave-decay": lambda time, value: (_wave(time, value) or (None, None))[1],
 }

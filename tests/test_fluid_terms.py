@@ -24,7 +24,7 @@ def numbers(**changed) -> Parameters:
     given = {
         "h": h, "dx": DX, "support": KERNEL.support * h, "rho0": RHO0, "c0": C0, "alpha": 0.0, "nu": 0.0,
         "nu_edac": 0.0, "gx": 0.0, "gy": 0.0, "w_dx": evaluate(KERNEL, np.array([DX]), h)[0][0],
-        "gradient": gradient_factor(KERNEL, H_OVER_DX),
+        "gradient": gradient_factor(KERNEL, H_OVER_DX), "weakest": -np.inf,
     }  # fmt: skip
     return Parameters(**(given | changed))
 
@@ -122,11 +122,24 @@ def test_pressure_gradient_drives_the_flow_downhill():
 
 
 def test_laminar_viscosity_is_nu_times_the_laplacian():
-    store = patch(jitter=0.02, u=lambda x, y: (y * y + 0.5 * x * x, 2.0 * x * x))
+    store = patch(jitter=0.02, u=lambda x, y: (y * y + 0.5 * x * x, 2.0 * x * x - x * y))
     here = interior(store)
     ax, ay = acceleration(store, numbers(nu=NU), viscous=True)[:, here]
-    assert close(ax, np.full(here.size, NU * 3.0), 0.08)
-    assert close(ay, np.full(here.size, NU * 4.0), 0.08)
+    assert close(ax, np.full(here.size, NU * 3.0), 0.15)
+    assert close(ay, np.full(here.size, NU * 4.0), 0.15)
+    assert ax.mean() == pytest.approx(NU * 3.0, rel=0.03)
+    assert ay.mean() == pytest.approx(NU * 4.0, rel=0.03)
+
+
+def test_laminar_viscosity_turns_strain_into_heat_and_leaves_rotation_alone():
+    """A free patch under u = (x, −y) loses 2ν ρ D:D = 4ν ρ per area; one that spins as a whole loses nothing."""
+    store = patch(jitter=0.02, u=lambda x, y: (x, -y))
+    a = acceleration(store, numbers(nu=NU), viscous=True)
+    lost = -np.sum(store.S[M] * (store.S[U] * a[0] + store.S[V] * a[1]))
+    inner = ((N - 2.0 * H_OVER_DX) * DX) ** 2  # pairs that the surface cuts off are missing
+    assert 4.0 * NU * RHO0 * inner < lost < 4.0 * NU * RHO0 * (N * DX) ** 2
+    store = patch(jitter=0.02, u=lambda x, y: (-y, x))
+    assert np.abs(acceleration(store, numbers(nu=NU), viscous=True)).max() < 1e-9
 
 
 def test_artificial_viscosity_pushes_apart_on_approach_only():

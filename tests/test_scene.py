@@ -73,7 +73,7 @@ def test_five_mistakes_of_mixed_kinds_are_five_lines(scene_file):
     lines = mistakes(scene_file(text.replace('body = "plate", face', 'body = "plat", face')))
     assert len(lines) == 5
     text = "\n".join(lines)
-    assert 'fluid.model = "wscph": must be "ctvf" or "wcsph" or "column"; did you mean \'wcsph\'?' in text
+    assert 'fluid.model = "wscph": must be "ctvf" or "wcsph" or "still" or "column"; did you mean \'wcsph\'?' in text
     assert "fluid.dxx: unknown key; did you mean 'dx'?" in text
     assert "solid.youngs_modulus = -1000000.0: must be a number > 0 [Pa]" in text
     assert "solid.clamps[0].body = \"plat\": no such body of the solid; did you mean 'plate'?" in text

@@ -1,0 +1,90 @@
+"""The fluid's fields between its particles: kernel sums at a place, and where its surface stands."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from fluid_solver.cells import neighbour
+from fluid_solver.fields import FLUID, RHO, VOL, P, U, V, X, Y
+from fluid_solver.motion import nearest_image
+from shared.jit import njit
+from shared.kernels import kernel_w
+
+HALF = 0.5  # Σ V W at a flat surface
+FILLED = 0.8  # share of its support that every particle finds filled where there is no free surface: half at one
+_STEP = 0.25  # of h: stride of the search for the surface
+
+
+@njit
+def sample(S, kind, kernel, x, y, grid, c):
+    """Pressure [Pa] and velocity u, v [m/s] at (x, y), normalised by Σ W; pressure by eq. 14 at a point that stands
+    still, exact for linear fields. All zero without fluid."""
+    total = p = u = v = 0.0
+    for b in range(kind.size):
+        if kind[b] == FLUID:
+            rx = nearest_image(x - S[X, b], 0.0, grid.period_x)
+            ry = nearest_image(y - S[Y, b], 0.0, grid.period_y)
+            r2 = rx * rx + ry * ry
+            if r2 < c.support * c.support:
+                w = kernel_w(kernel, r2, c.h)
+                total += w
+                p += w * (S[P, b] + S[RHO, b] * (c.gx * rx + c.gy * ry))
+                u += w * S[U, b]
+                v += w * S[V, b]
+    return (p / total, u / total, v / total) if total > 0.0 else (0.0, 0.0, 0.0)
+
+
+@njit
+def surface_at(S, kind, kernel, x, grid, c):
+    """Highest y [m] where Σ V W at abscissa `x` passes one half; NaN where there is no fluid."""
+    near = np.empty(kind.size, dtype=np.int64)
+    n, top, lowest = 0, -np.inf, np.inf
+    for b in range(kind.size):
+        if kind[b] == FLUID and abs(nearest_image(x - S[X, b], 0.0, grid.period_x)) < c.support:
+            near[n] = b
+            n += 1
+            top = max(top, S[Y, b])
+            lowest = min(lowest, S[Y, b])
+    outside = top + c.support
+    inside = outside
+    while inside > lowest and _filled(S, near[:n], kernel, x, inside, grid, c) < HALF:
+        outside = inside
+        inside -= _STEP * c.h
+    if not inside > lowest:
+        return np.nan
+    for _ in range(30):  # halvings: to rounding
+        middle = 0.5 * (inside + outside)
+        if _filled(S, near[:n], kernel, x, middle, grid, c) < HALF:
+            outside = middle
+        else:
+            inside = middle
+    return inside
+
+
+@njit
+def _filled(S, near, kernel, x, y, grid, c):
+    total = 0.0
+    for b in near:
+        rx = nearest_image(x - S[X, b], 0.0, grid.period_x)
+        ry = y - S[Y, b]
+        total += S[VOL, b] * kernel_w(kernel, rx * rx + ry * ry, c.h)
+    return total
+
+
+@njit
+def lowest_filling(S, start, grid, c):
+    """Least share of its support that any particle finds filled, by fluid or ghosts."""
+    least = np.inf
+    full = np.pi * c.support * c.support
+    for cell in range(grid.columns + 1, start.size // 2 - 1 - grid.columns - 1):
+        for a in range(start[2 * cell], start[2 * cell + 1]):
+            total = 0.0
+            for j in range(-1, 2):
+                for i in range(-1, 2):
+                    other, x, y = neighbour(grid, cell, i, j)
+                    for b in range(start[2 * other], start[2 * other + 2]):
+                        rx, ry = S[X, a] - S[X, b] - x, S[Y, a] - S[Y, b] - y
+                        if rx * rx + ry * ry < c.support * c.support:
+                            total += S[VOL, b]
+            least = min(least, total / full)
+    return least
