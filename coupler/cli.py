@@ -17,6 +17,7 @@ from coupler.chart_files import summary, write_chart
 from coupler.preflight import actual, preflight, stop_if_refused, warn_of
 from coupler.preflight_auto import chosen, run_one_side
 from coupler.preflight_table import print_preflight
+from coupler.report import write_report
 from coupler.run import run_coupled
 from coupler.stability import find_boundaries, write_map
 from coupler.stability_map import load_map
@@ -72,16 +73,16 @@ def run(
     counts = parse_threads(threads)
     scene = load_scene(case, sets or ())
     warn(scene)
-    report = preflight(scene)
+    found = preflight(scene)
     if models is Models.auto:
-        scene = chosen(report)
+        scene = chosen(found)
         if scene.fluid is None or scene.solid is None:
             raise SystemExit(run_one_side(scene, case_name(case), out, counts, quiet))
-        report = preflight(scene)
-    warn_of(report)
+        found = preflight(scene)
+    warn_of(found)
     if not force:
-        stop_if_refused(report)
-    record = run_coupled(scene, case_name(case), out, counts, quiet, link.value, report.as_dict())
+        stop_if_refused(found)
+    record = run_coupled(scene, case_name(case), out, counts, quiet, link.value, found.as_dict())
     record.result["preflight"]["actual"] = actual(record.result, scene)
     write_result(record.run_dir, record.result)
     conclude(record, quiet)
@@ -95,13 +96,13 @@ def check(
 ) -> None:
     """Look at a scene without running it: its numbers, verdicts, and the smallest models that meet its goal."""
     scene = load_scene(case, sets or ())
-    report = preflight(scene)
+    found = preflight(scene)
     if as_json:
-        print(json.dumps(plain(report.as_dict()), indent=1, allow_nan=False, ensure_ascii=False))
+        print(json.dumps(plain(found.as_dict()), indent=1, allow_nan=False, ensure_ascii=False))
     else:
         warn(scene)
-        print_preflight(report, scene, Console())
-    if report.verdict == "refuse":
+        print_preflight(found, scene, Console())
+    if found.verdict == "refuse":
         raise SystemExit(BadInput.exit_code)
 
 
@@ -143,6 +144,17 @@ def stability(
     if not quiet:
         for path in paths:
             print(path)
+
+
+@app.command()
+def report(
+    run_dir: Annotated[Path, typer.Argument(help="Directory of a run.")],
+    out: Annotated[
+        Path | None, typer.Option(help="File to write; default RUN_DIR/report.html.", show_default=False)
+    ] = None,
+) -> None:
+    """Write a run as one HTML page: pictures, probes against references, ledger, cost, pre-flight."""
+    print(write_report(run_dir, out))
 
 
 @app.command()
