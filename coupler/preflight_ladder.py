@@ -151,6 +151,10 @@ def _unable(scene: Scene, n: Numbers, worst: str) -> str:
             return f"the low sound speed cannot resolve a {what}: {found.reason}"
         if not n.water.rests:
             return "the water is not at rest: nothing holds it where it stands, or it starts moving"
+        if n.water.boxed and n.joint is not None and n.joint.closes:
+            return (
+                f"the plate closes a box of water, whose pressure comes from being squeezed; {n.water.model} has none"
+            )
         if what not in STEADY:
             return f"a {what} feels the mass of the water that moves along, which {n.water.model} leaves out"
     return f"{worst} does not express the goal"
@@ -210,6 +214,9 @@ def _cannot(scene: Scene, side: str, model: str | None) -> str:
 
 
 def _held_rigid(scene: Scene, n: Numbers) -> float:
+    """Error of a flow by holding an elastic body rigid; nothing is right in a box that it closes."""
+    if n.water.boxed and n.joint.closes:
+        return math.inf
     elastic = scene_numbers(scene.model_copy(update={"solid": scene.solid.model_copy(update={"model": "beam"})}))
     bent = elastic.plate.deflection if elastic.plate.deflection is not None else 0.0
     return _RIGID_SHARE * bent / n.joint.depth

@@ -10,7 +10,7 @@ import numpy as np
 from shared.geometry import contains, distance_to, outline
 from shared.kernels import kernel_named
 from shared.motion_table import MotionTable
-from shared.schema import Body, Scene, Wall
+from shared.schema import Body, FluidBody, Scene, Wall
 
 MACH_AUTO = 0.1  # largest expected speed over the sound speed "auto"
 COURANT = {"ctvf": 0.8, "wcsph": 0.9}  # time step over h/(c0 + speed) that "auto" takes
@@ -23,7 +23,8 @@ _SAMPLES = 1000  # times at which a prescribed motion's speed is looked at
 
 @dataclass(frozen=True)
 class Water:
-    """The fluid. `rests`: it starts at rest and held on all sides but its surface; `boxed`: on that side too."""
+    """The fluid. `held`: on all sides but its surface something stands behind it, so that it does not fall; `rests`: it
+    is held and starts at rest; `boxed`: at rest, and something stands behind its surface too."""
 
     model: str
     density: float
@@ -37,6 +38,7 @@ class Water:
     particles: float
     step: float
     courant: float
+    held: bool
     rests: bool
     boxed: bool
 
@@ -46,7 +48,7 @@ def measure_water(scene: Scene) -> Water:
     g = math.hypot(*scene.gravity)
     corners = np.concatenate([outline(body).reshape(-1, 2) for body in fluid.bodies])
     height = float(np.ptp(corners @ np.asarray(scene.gravity))) / g if g else float(np.ptp(corners[:, 1]))
-    start = max(math.hypot(*body.velocity) for body in fluid.bodies)
+    start = max(math.hypot(*body.velocity) + _field_speed(body) for body in fluid.bodies)
     walls = max((_wall_speed(wall) for wall in scene.walls), default=0.0)
     speed = max(math.sqrt(2.0 * g * height + start**2), walls)
     sound = speed / MACH_AUTO if fluid.sound_speed == "auto" else fluid.sound_speed
@@ -72,15 +74,21 @@ def measure_water(scene: Scene) -> Water:
         particles=_fluid_particles(scene, support),
         step=step,
         courant=courant,
+        held=not open_sides,
         rests=still and not open_sides,
         boxed=still and not open_sides and not open_top,
     )
 
 
+def _field_speed(body: FluidBody) -> float:
+    """Largest speed [m/s] of the body's initial velocity field, at its top where waves are fastest."""
+    return abs(body.velocity_field.speed) if body.velocity_field is not None else 0.0
+
+
 def _wall_speed(wall: Wall) -> float:
     """Largest speed [m/s] of a moving wall's corners."""
     if wall.motion is None:
-        return 0.0
+        return abs(wall.surface_speed)
     table, corners = MotionTable(wall.motion), np.asarray(wall.polyline, dtype=float)
     reach = float(np.hypot(*(corners - table.about).T).max())
     rates = [table.at(time)[1] for time in np.linspace(0.0, wall.motion.times[-1], _SAMPLES)]
@@ -130,9 +138,14 @@ def unbacked(scene: Scene) -> tuple[bool, bool]:
     for other in scene.fluid.bodies:  # water behind water holds it too
         inside = distance_to(outline(other), middle + outward * dx) > 0.5 * dx
         near[inside & contains(other, middle + outward * dx)] = 0.0
+    for axis, bounds in enumerate((scene.fluid.periodic.x, scene.fluid.periodic.y)):
+        for bound in bounds or ():
+            near[np.abs(middle[:, axis] - bound) < _BACKED * dx] = 0.0
     free = near > _BACKED * dx
+    if not g.any():  # without weight nothing falls, and any face may be free
+        return False, bool(free.any())
     surface = outward @ up > UPWARD
-    return bool(np.any(free & ~surface)) and bool(g.any()), bool(np.any(free & surface)) or not g.any()
+    return bool(np.any(free & ~surface)), bool(np.any(free & surface))
 
 
 def edge_samples(bodies, dx: float) -> tuple[np.ndarray, np.ndarray]:

@@ -114,6 +114,12 @@ def test_wet_frequency_is_that_of_the_plate_under_incompressible_water():
         (["fluid.bodies.water.rectangle=[0.0, 0.0, 0.4, 0.5]"], False, False),
         (["walls.tank.closed=true", "walls.tank.polyline=[[0,0.5],[0,0],[0.5,0],[0.5,0.5]]"], True, True),
         (["fluid.bodies.water.velocity=[0.1, 0.0]"], False, False),
+        (["walls=[{ name = 'tank', polyline = [[0.0, 0.0], [0.5, 0.0]] }]"], False, False),
+        (
+            ["walls=[{ name = 'tank', polyline = [[0.0, 0.0], [0.5, 0.0]] }]", "fluid.periodic.x=[0.0, 0.5]"],
+            True,
+            False,
+        ),
     ],
 )
 def test_water_at_rest_is_told_from_water_that_falls(sets, rests, boxed):
@@ -154,6 +160,15 @@ def test_a_dam_break_on_a_plate_needs_moving_water_and_no_shifting():
     choice = smallest(ladder(load_scene("dam_break_plate")))
     assert choice.fluid == "wcsph"
     assert choice.solid in ("beam", "total-lagrangian")
+
+
+@pytest.mark.skipif("light_gate" not in shipped_cases(), reason="no such case")
+def test_a_light_plate_that_closes_a_box_is_iterated():
+    sets = ["coupling.scheme=auto", "coupling.window=auto"]
+    choice = smallest(ladder(load_scene("light_gate", sets)))
+    assert choice.fluid in ("wcsph", "ctvf")
+    assert {"coupling.scheme=serial-implicit", "coupling.acceleration=iqn-ils"} <= set(choice.sets)
+    assert verdicts("light_gate", "coupling.scheme=serial-explicit")["mass ratio"] == "refuse"
 
 
 def test_a_square_is_no_beam():
