@@ -3,7 +3,8 @@
 Each part is measured on cases with a known answer (cases/results/structures.md and README.md), with a margin of 1.2 to
 2.5 over the worst found; n particles across, t/L thickness over length, ν Poisson's ratio, dx spacing of the fluid.
 
-    beam               0.75 (t/L)² + 1.5 × stretch along its axis      plate_step_load, oscillating_plate
+    beam               0.75 (t/L)² + 0.22 ν t/L per clamp, which holds its section's width too + 1.5 × stretch along
+                       its axis                                        plate_step_load, oscillating_plate, udl_beam
     total-lagrangian   (0.08 + 0.15 ν)/n                                udl_beam at 6 … 20 across, ν 0 … 0.47
     solid ctvf         (0.15 + 0.15 ν)/n quadratic, 5/n² linear, 4.5/n printed gradient
     still              0.1 %
@@ -26,7 +27,7 @@ from shared.schema import RIGID_MODELS, Scene
 
 Parts = dict[str, float]
 
-BEAM_SHAPE, BEAM_STRETCH = 0.75, 1.5
+BEAM_SHAPE, BEAM_CLAMP, BEAM_STRETCH = 0.75, 0.22, 1.5
 LAGRANGIAN = (0.08, 0.15)
 UPDATED = (0.15, 0.15)
 LINEAR, PRINTED = 5.0, 4.5
@@ -71,7 +72,8 @@ def _solid(scene: Scene, n: Numbers) -> float:
         return 0.0
     nu = solid.poisson_ratio
     if plate.model == "beam":
-        bound = BEAM_SHAPE * (plate.thickness / plate.length) ** 2 + BEAM_STRETCH * plate.stretch
+        slender = plate.thickness / plate.length
+        bound = BEAM_SHAPE * slender**2 + BEAM_CLAMP * plate.clamps * nu * slender + BEAM_STRETCH * plate.stretch
     elif plate.model == "ctvf" and solid.gradient != "quadratic":
         bound = LINEAR / plate.across**2 if solid.gradient == "linear" else PRINTED / plate.across
     else:

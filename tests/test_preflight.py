@@ -186,6 +186,8 @@ def test_bounds_hold_what_was_measured():
         ("udl_beam", ["solid.dx=6e-4"], 0.0030),
         ("udl_beam", ["solid.poisson_ratio=0.34"], 0.0122),
         ("udl_beam", ["solid.model=beam"], 0.0001),
+        ("hydrostatic_plate", ["fluid.model=still", "solid.model=beam", "solid.damping=2400"], 0.0061),
+        ("oscillating_plate", ["solid.model=beam"], 0.0060),
         ("plate_step_load", [], 0.0037),
         ("plate_step_load", ["solid.model=beam"], 0.0092),
         ("oscillating_plate", [], 0.0040),
