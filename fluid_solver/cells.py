@@ -1,17 +1,19 @@
-"""Cell sort, and the candidates of a cell.
+"""Cell sort, and the candidates of a stretch of cells.
 
-Particles are counting-sorted by cell, row of cells by row, in each cell fluid before ghosts. Cell c holds
-[start[2c], start[2c + 1]) fluid and [start[2c + 1], start[2c + 2]) ghosts; one ring of empty cells surrounds all.
-Everything within the kernel's support of a particle lies in the 3 × 3 cells around its own, as long as no particle
-has moved more than half the skin since the sort: cells are support + skin wide.
+Cells lie in rows as high as the kernel's support and are `COLUMNS` times narrower than that. Particles are counting-
+sorted by cell, row by row, in each cell fluid before ghosts: cell c holds [start[2c], start[2c + 1]) fluid and
+[start[2c + 1], start[2c + 2]) ghosts. A ring of empty cells, a support wide, surrounds all. Everything within the
+support of a particle lies in its own row and the two beside it, at most `COLUMNS` columns away, as long as no particle
+has moved more than half the skin since the sort: rows are support + skin high.
 
-In a periodic direction cells tile the period exactly, a little wider than that. A cell at its edge finds its
+In a periodic direction cells tile the period exactly, a little larger than that. A cell at its edge finds its
 neighbours at the other edge, and sees them shifted by the period. Positions are wrapped at the sort and may leave the
 period by half the skin in between.
 
-A sweep copies the candidates of a cell once into small contiguous rows, padded with far-away dummies of no mass to
-a multiple of the vector width, and runs each particle of the cell over them without branches: that vectorises,
-which walking the cells directly does not.
+A sweep works through segments of rows. It copies the three rows around a segment into one contiguous buffer, column by
+column, closed by far-away dummies of no mass. The candidates of a cell are then one run of it, 2 `COLUMNS` + 1 columns
+long, and each particle of the cell runs over them without branches, in whole vectors: that vectorises, which walking
+the cells does not. A run may end beyond its last column: what stands there is out of reach and adds nothing.
 """
 
 from __future__ import annotations
@@ -24,16 +26,18 @@ import numpy as np
 from fluid_solver.fields import FLUID, PARKED, X, Y
 from shared.jit import inline_njit, njit, parallel_njit
 
+COLUMNS = 2  # cells per support along a row
+SEGMENT = 32  # cells of a row that share a buffer
 LANES = 8  # float64 per vector register (AVX-512); shorter registers divide it
 FAR = 1.0e12  # m; where the dummies stand
 BLOCK = 4096  # particles per task of an elementwise loop
 CHUNKS = 48  # tasks of a sweep; fixed, so that nothing depends on the thread count
-MAX_CELLS = 4_000_000
+MAX_CELLS = 8_000_000
 _NOT_NEGATIVE = 2**62 - 1
 
 
 class Grid(NamedTuple):
-    """Cells in rows of `columns`, the empty ring counted; period [m] along x and y, 0 for none."""
+    """Cells in `rows` of `columns`, the empty ring counted; period [m] along x and y, 0 for none."""
 
     columns: int
     rows: int
@@ -87,13 +91,13 @@ def count_cells(S, kind, count, origin, inv_cell, grid, key, start, order):
     `origin` (2,) [m]: corner of the first cell within the ring; `inv_cell` (2,) [1/m]: one over the cells' size.
     """
     parked_key = start.size - 2
-    last_column, last_row = grid.columns - 2, grid.rows - 2
+    last_column, last_row = grid.columns - COLUMNS - 1, grid.rows - 2
     start[:] = 0
     for i in range(count):
         if kind[i] == PARKED:
             key[i] = parked_key
         else:
-            column = min(int((S[X, i] - origin[0]) * inv_cell[0]) + 1, last_column)
+            column = min(int((S[X, i] - origin[0]) * inv_cell[0]) + COLUMNS, last_column)
             row = min(int((S[Y, i] - origin[1]) * inv_cell[1]) + 1, last_row)
             key[i] = 2 * (row * grid.columns + column) + (0 if kind[i] == FLUID else 1)
         start[key[i] + 1] += 1
@@ -126,65 +130,73 @@ def permute(S, kind, ids, order, count, S2, kind2, ids2):
             ids2[k] = ids[order[k]]
 
 
-@njit
-def neighbour(grid, cell, i, j):
-    """The cell `i` columns and `j` rows from `cell` (each −1, 0 or 1), and the shift [m] of its particles."""
-    row, column = cell // grid.columns + j, cell % grid.columns + i
+@inline_njit
+def neighbour(grid, column, row):
+    """The cell at `column` and `row`, which may lie in the ring, and the shift [m] of its particles."""
     x = y = 0.0
     if grid.period_x > 0.0:
-        if column == 0:
-            column, x = grid.columns - 2, -grid.period_x
-        elif column == grid.columns - 1:
-            column, x = 1, grid.period_x
+        if column < COLUMNS:
+            column += grid.columns - 2 * COLUMNS
+            x = -grid.period_x
+        elif column >= grid.columns - COLUMNS:
+            column -= grid.columns - 2 * COLUMNS
+            x = grid.period_x
     if grid.period_y > 0.0:
         if row == 0:
-            row, y = grid.rows - 2, -grid.period_y
+            row = grid.rows - 2
+            y = -grid.period_y
         elif row == grid.rows - 1:
-            row, y = 1, grid.period_y
+            row = 1
+            y = grid.period_y
     return row * grid.columns + column, x, y
 
 
-@njit
-def share_cells(start, grid, edges, ghosts):
-    """Cut the cells into chunks of like work, in place in `edges`; returns the most candidates of any cell.
+@inline_njit
+def segments_per_row(grid):
+    """Number of segments in a row."""
+    return (grid.columns - 2 * COLUMNS + SEGMENT - 1) // SEGMENT
 
-    `ghosts`: how many of the sorted particles are ghosts.
-    """
-    nx = grid.columns
-    cells = (start.size - 2) // 2
-    ghost_weight = 0.3  # work of a ghost over that of a fluid particle
-    total = start[start.size - 2] - ghosts + ghost_weight * ghosts
+
+@inline_njit
+def segment_columns(grid, segment):
+    """Row of a segment, its first column and the one after its last."""
+    first = COLUMNS + segment % segments_per_row(grid) * SEGMENT
+    return segment // segments_per_row(grid) + 1, first, min(first + SEGMENT, grid.columns - COLUMNS)
+
+
+@njit
+def share_cells(start, grid, edges):
+    """Cut the segments into tasks of like work, in place in `edges`; returns the most candidates of any segment."""
+    segments = (grid.rows - 2) * segments_per_row(grid)
+    tasks = edges.size - 1
+    total = start[start.size - 2]
+    edges[0] = 0
+    task = 1
     most = 0
-    chunks = edges.size - 1
-    edges[0] = nx + 1
-    chunk = 1
-    done = 0.0
-    for c in range(nx + 1, cells - nx - 1):
-        while chunk < chunks and done >= total * chunk / chunks:
-            edges[chunk] = c
-            chunk += 1
-        if start[2 * c + 2] == start[2 * c]:
-            continue
-        fluid = start[2 * c + 1] - start[2 * c]
-        done += fluid + ghost_weight * (start[2 * c + 2] - start[2 * c + 1])
-        most = max(most, candidates(start, grid, c))
-    for k in range(chunk, chunks + 1):
-        edges[k] = cells - nx - 1
+    for segment in range(segments):
+        row, first, last = segment_columns(grid, segment)
+        while task < tasks and start[2 * (row * grid.columns + first)] * tasks >= total * task:
+            edges[task] = segment
+            task += 1
+        most = max(most, candidates(start, grid, row, first, last))
+    for k in range(task, tasks + 1):
+        edges[k] = segments
     return most
 
 
 @njit
-def candidates(start, grid, cell):
-    """Number of particles in the 3 × 3 cells around `cell`."""
+def candidates(start, grid, row, first, last):
+    """Number of particles in the three rows around the columns [first, last) of `row`, and `COLUMNS` beyond."""
     found = 0
     if grid.period_x > 0.0 or grid.period_y > 0.0:
-        for j in range(-1, 2):
-            for i in range(-1, 2):
-                other, _, _ = neighbour(grid, cell, i, j)
-                found += start[2 * other + 2] - start[2 * other]
+        for column in range(first - COLUMNS, last + COLUMNS):
+            for j in range(-1, 2):
+                cell, _, _ = neighbour(grid, column, row + j)
+                found += start[2 * cell + 2] - start[2 * cell]
     else:
         for j in range(-1, 2):
-            found += start[2 * (cell + j * grid.columns) + 4] - start[2 * (cell + j * grid.columns) - 2]
+            of_row = (row + j) * grid.columns
+            found += start[2 * (of_row + last + COLUMNS)] - start[2 * (of_row + first - COLUMNS)]
     return found
 
 
@@ -205,68 +217,55 @@ def copy_run(source, lo, hi, target, n):
 
 
 @njit
-def gather(S, rows, start, grid, cell, buffer):
-    """Copy `rows` (x and y first) of all candidates of `cell` into `buffer`, padded; returns the padded number."""
-    n = 0
-    for j in range(-1, 2):
-        lo = start[2 * (cell + j * grid.columns) - 2]
-        hi = start[2 * (cell + j * grid.columns) + 4]
-        for f in range(len(rows)):
-            copy_run(S[rows[f]], lo, hi, buffer[f], n)
-        n += hi - lo
-    if grid.period_x > 0.0 or grid.period_y > 0.0:
-        n = gather_images(S, rows, start, grid, cell, buffer, n, 2)
-    return pad(len(rows), n, buffer)
+def with_targets(start, grid, segment, kind):
+    """Row of a segment, and the part of its columns from the first to the last with targets; first = last for none.
 
-
-@njit
-def gather_fluid(S, rows, start, grid, cell, buffer):
-    """The same for the fluid among them alone."""
-    n = 0
-    for j in range(-1, 2):
-        for i in range(-1, 2):
-            c = cell + j * grid.columns + i
-            lo = start[2 * c]
-            hi = start[2 * c + 1]
-            for f in range(len(rows)):
-                copy_run(S[rows[f]], lo, hi, buffer[f], n)
-            n += hi - lo
-    if grid.period_x > 0.0 or grid.period_y > 0.0:
-        n = gather_images(S, rows, start, grid, cell, buffer, n, 1)
-    if n == 0:
-        return 0
-    return pad(len(rows), n, buffer)
-
-
-@njit
-def gather_images(S, rows, start, grid, cell, buffer, n, kinds):
-    """Append candidates of `cell` from across the period, shifted; returns how many there are then.
-
-    `kinds`: 1 for the fluid, 2 for fluid and ghosts.
+    `kind`: 0 where fluid is looked for, 1 for ghosts.
     """
-    for j in range(-1, 2):
-        for i in range(-1, 2):
-            c, x, y = neighbour(grid, cell, i, j)
-            if x == 0.0 and y == 0.0:
-                continue
-            lo = start[2 * c]
-            hi = start[2 * c + kinds]
-            for f in range(len(rows)):
-                copy_run(S[rows[f]], lo, hi, buffer[f], n)
-            for k in range(n, n + hi - lo):
-                buffer[0, k] += x
-                buffer[1, k] += y
-            n += hi - lo
-    return n
+    row, first, last = segment_columns(grid, segment)
+    of_row = row * grid.columns
+    while first < last and start[2 * (of_row + first) + kind] == start[2 * (of_row + first) + kind + 1]:
+        first += 1
+    while first < last and start[2 * (of_row + last - 1) + kind] == start[2 * (of_row + last - 1) + kind + 1]:
+        last -= 1
+    return row, first, last
 
 
 @njit
-def pad(fields, n, buffer):
-    """Fill up to a multiple of the vector width with far dummies (rows 0 and 1 are x and y); returns it."""
-    padded = (n + LANES - 1) & ~(LANES - 1)
-    for k in range(n, padded):
+def gather(S, rows, kinds, start, grid, row, first, last, buffer, columns):
+    """Copy `rows` (x and y first) of all candidates of the columns [first, last) of `row` into `buffer`.
+
+    `kinds`: 1 for the fluid alone, 2 for fluid and ghosts. `columns`: where each column begins in the buffer, from
+    `COLUMNS` before the first on.
+    """
+    n = 0
+    for column in range(first - COLUMNS, last + COLUMNS):
+        columns[column - first + COLUMNS] = n
+        for j in range(-1, 2):
+            cell, x, y = neighbour(grid, column, row + j)
+            lo = start[2 * cell]
+            hi = start[2 * cell + kinds]
+            for f in range(len(rows)):
+                copy_run(S[rows[f]], lo, hi, buffer[f], n)
+            if x != 0.0 or y != 0.0:
+                for k in range(n, n + hi - lo):
+                    buffer[0, k] += x
+                    buffer[1, k] += y
+            n += hi - lo
+    columns[last - first + 2 * COLUMNS] = n
+    for k in range(n, n + LANES):
         buffer[0, k] = FAR
         buffer[1, k] = FAR
-        for f in range(2, fields):
+        for f in range(2, len(rows)):
             buffer[f, k] = 0.0
-    return padded
+
+
+@inline_njit
+def run_of(columns, column):
+    """Bounds in the buffer of the candidates of the `column`-th column gathered, in whole vectors.
+
+    Unsigned, so that the compiler knows that no index is negative: else no loop over them would vectorise.
+    """
+    lo = columns[column]
+    n = (columns[column + 2 * COLUMNS + 1] - lo + LANES - 1) & ~(LANES - 1)
+    return np.uint64(lo), np.uint64(lo + n)

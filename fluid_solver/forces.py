@@ -14,8 +14,8 @@ from functools import cache
 
 import numba
 
-from fluid_solver.cells import gather
-from fluid_solver.fields import AX, AY, FRICTION, GX, GY, NEW_NX, NEW_NY, NX, NY, PR2, SX, SY, VOL, M, U, V, X, Y
+from fluid_solver.cells import gather, run_of, with_targets
+from fluid_solver.fields import AX, AY, FRICTION, GX, GY, NEW_NX, NEW_NY, NX, NY, PR2, SX, SY, VOL, M, X, Y
 from fluid_solver.shifting import shift_velocity
 from fluid_solver.surface import surface_normal
 from fluid_solver.terms import (
@@ -28,80 +28,95 @@ from fluid_solver.terms import (
 from shared.jit import inline_njit, parallel_njit
 from shared.kernels import kernel_f, kernel_w
 
-_ROWS_INVISCID = (X, Y, U, V, M, VOL, PR2, FRICTION)
-_ROWS_VISCOUS = (*_ROWS_INVISCID, GX, GY)
-_ROWS_SHIFTING = (*_ROWS_VISCOUS, NX, NY)
-
-
-def force_rows(viscous: bool, shifting: bool) -> tuple[int, ...]:
-    """Rows of the state that the sweep reads of a neighbour, in the buffer's order."""
-    return _ROWS_SHIFTING if shifting else (_ROWS_VISCOUS if viscous else _ROWS_INVISCID)
+_ROWS = (X, Y, GX, GY, M, VOL, PR2, FRICTION)
+_ROWS_SHIFTING = (*_ROWS, NX, NY)
 
 
 @inline_njit
-def pair_force(viscous, rx, ry, ux, uy, gux, guy, m_b, vol_b, pr2_b, friction, pr2_a, inv_rho_a, F, c):
+def pair_force(viscous, rx, ry, ux, uy, m_b, vol_b, pr2_b, friction, pr2_a, inv_rho_a, F, c):
     """Acceleration (x, y) [m/s²] that b adds to a. Times m_a it is antisymmetric in a and b, to rounding."""
     r2 = rx * rx + ry * ry
-    g_b = mean_specific_mass(m_b, vol_b, inv_rho_a)
     along = pressure_force(m_b, pr2_a, pr2_b)
-    along += artificial_viscosity(friction * g_b, rx, ry, ux, uy, r2, c.h, c.alpha * c.h * c.c0)
+    along += artificial_viscosity(friction * m_b, rx, ry, ux, uy, r2, c.h, c.alpha * c.h * c.c0 / c.rho0)
     if viscous:
-        along += laminar_viscosity(g_b, rx, ry, gux, guy, r2, c.h, c.nu)
+        along += laminar_viscosity(mean_specific_mass(m_b, vol_b, inv_rho_a), rx, ry, ux, uy, r2, c.h, c.nu)
     return along * F * rx, along * F * ry
 
 
 @cache
 def make_forces(kernel: int, viscous: bool, shifting: bool):
     """The compiled sweep for a kernel code; `shifting`: with (d·∇)u, shifting velocity and surface marks (ctvf)."""
-    rows = force_rows(viscous, shifting)
+    rows = _ROWS_SHIFTING if shifting else _ROWS
 
     @parallel_njit
-    def forces(S, start, grid, edges, buffers, c, u_max, R):
+    def forces(S, start, grid, edges, buffers, columns, c, u_max, R):
         """Writes S[AX], S[AY] of the fluid; if shifting also S[SX], S[SY] and the new normals in R."""
         inv_w_dx = 1.0 / c.w_dx
         for chunk in numba.prange(edges.size - 1):
             b = buffers[chunk]
-            for cell in range(edges[chunk], edges[chunk + 1]):
-                if start[2 * cell] == start[2 * cell + 1]:
+            for segment in range(edges[chunk], edges[chunk + 1]):
+                row, first, last = with_targets(start, grid, segment, 0)
+                if first == last:
                     continue
-                n = gather(S, rows, start, grid, cell, b)
-                for a in range(start[2 * cell], start[2 * cell + 1]):
-                    xa, ya, ua, va = S[X, a], S[Y, a], S[U, a], S[V, a]
-                    pr2_a, inv_rho_a = S[PR2, a], S[VOL, a] / S[M, a]
-                    ax = ay = cx = cy = div_r = near_x = near_y = 0.0
-                    dx, dy = (S[SX, a], S[SY, a]) if shifting else (0.0, 0.0)
-                    for k in range(n):
-                        rx = xa - b[0, k]
-                        ry = ya - b[1, k]
-                        r2 = rx * rx + ry * ry
-                        F = c.gradient * kernel_f(kernel, r2, c.h)
-                        gux = guy = 0.0
-                        if viscous or shifting:
-                            gux = ua - b[8, k]
-                            guy = va - b[9, k]
-                        fx, fy = pair_force(
-                            viscous, rx, ry, ua - b[2, k], va - b[3, k], gux, guy,
-                            b[4, k], b[5, k], b[6, k], b[7, k], pr2_a, inv_rho_a, F, c,
-                        )  # fmt: skip
-                        ax += fx
-                        ay += fy
+                gather(S, rows, 2, start, grid, row, first, last, b, columns[chunk])
+                for column in range(first, last):
+                    cell = row * grid.columns + column
+                    lo, hi = run_of(columns[chunk], column - first)
+                    surface = shifting and any_surface(b, lo, hi)
+                    for a in range(start[2 * cell], start[2 * cell + 1]):
+                        xa, ya, ua, va = S[X, a], S[Y, a], S[GX, a], S[GY, a]
+                        pr2_a, inv_rho_a = S[PR2, a], S[VOL, a] / S[M, a]
+                        ax = ay = cx = cy = div_r = 0.0
+                        dx, dy = (S[SX, a], S[SY, a]) if shifting else (0.0, 0.0)
+                        for k in range(lo, hi):
+                            rx = xa - b[0, k]
+                            ry = ya - b[1, k]
+                            r2 = rx * rx + ry * ry
+                            F = c.gradient * kernel_f(kernel, r2, c.h)
+                            ux = ua - b[2, k]
+                            uy = va - b[3, k]
+                            fx, fy = pair_force(
+                                viscous, rx, ry, ux, uy, b[4, k], b[5, k], b[6, k], b[7, k], pr2_a, inv_rho_a, F, c
+                            )
+                            ax += fx
+                            ay += fy
+                            if shifting:
+                                vol_f = b[5, k] * F
+                                carried = vol_f * (dx * rx + dy * ry)
+                                ax -= carried * ux
+                                ay -= carried * uy
+                                div_r -= vol_f * r2
+                                weight = shifting_weight(vol_f, kernel_w(kernel, r2, c.h) * inv_w_dx)
+                                cx += weight * rx
+                                cy += weight * ry
+                        S[AX, a] = ax + c.gx
+                        S[AY, a] = ay + c.gy
                         if shifting:
-                            vol_f = b[5, k] * F
-                            carried = vol_f * (dx * rx + dy * ry)
-                            ax -= carried * gux
-                            ay -= carried * guy
-                            div_r -= vol_f * r2
-                            w = kernel_w(kernel, r2, c.h)
-                            weight = shifting_weight(b[5, k], w, inv_w_dx, F)
-                            cx += weight * rx
-                            cy += weight * ry
-                            near_x += w * b[10, k]
-                            near_y += w * b[11, k]
-                    S[AX, a] = ax + c.gx
-                    S[AY, a] = ay + c.gy
-                    if shifting:
-                        dx, dy = shift_velocity(cx, cy, near_x, near_y, div_r, u_max, c)
-                        S[SX, a], S[SY, a] = dx, dy
-                        R[NEW_NX, a], R[NEW_NY, a] = surface_normal(cx, cy, div_r)
+                            near_x, near_y = sum_of_normals(kernel, xa, ya, b, lo, hi, c) if surface else (0.0, 0.0)
+                            dx, dy = shift_velocity(cx, cy, near_x, near_y, div_r, u_max, c)
+                            S[SX, a], S[SY, a] = dx, dy
+                            R[NEW_NX, a], R[NEW_NY, a] = surface_normal(cx, cy, div_r)
 
     return forces
+
+
+@inline_njit
+def any_surface(b, lo, hi):
+    """Whether any candidate in [lo, hi) of the buffer is marked as surface."""
+    size = 0.0
+    for k in range(lo, hi):
+        size += abs(b[8, k]) + abs(b[9, k])
+    return size > 0.0
+
+
+@inline_njit
+def sum_of_normals(kernel, xa, ya, b, lo, hi, c):
+    """Kernel sum at (xa, ya) of the candidates' surface normals."""
+    near_x = near_y = 0.0
+    for k in range(lo, hi):
+        rx = xa - b[0, k]
+        ry = ya - b[1, k]
+        w = kernel_w(kernel, rx * rx + ry * ry, c.h)
+        near_x += w * b[8, k]
+        near_y += w * b[9, k]
+    return near_x, near_y

@@ -117,8 +117,7 @@ class ParticleFluid:
         store = self.store
         store.sort(0.0)
         self._speed = largest(store.S, store.kind, store.count, store.speeds)[0]
-        cells = store.start, store.grid, store.edges, store.buffers, self.c
-        self._ghost_velocity(store.S, store.kind, store.ids, *cells, self._first, self._pose)
+        self._ghost_velocity(store.S, store.kind, store.ids, *store.cells(), self.c, self._first, self._pose)
         self._accelerate()
         self._volume = self._enclosed_volume()
         kick(store.S, store.kind, store.count, 0.0, self._transported, store.work)
@@ -170,9 +169,8 @@ class ParticleFluid:
         store.sort_if_moved(reach)
         # 4, 5  ghosts' velocities and rates at the middle; p and ρ a full step on
         # 6     x += (u_half + δu) dt/2; walls and ghosts to the end
-        cells = store.start, store.grid, store.edges, store.buffers, c
-        self._ghost_velocity(store.S, store.kind, store.ids, *cells, self._first, self._pose)
-        self._rates(store.S, *cells, store.work)
+        self._ghost_velocity(store.S, store.kind, store.ids, *store.cells(), c, self._first, self._pose)
+        self._rates(store.S, *store.cells(), c, store.work)
         advance_and_drift(store.S, store.kind, store.count, dt, c, store.work, store.clipped)
         if self._volume > 0.0:
             keep_volume(store.S, store.kind, store.count, self._volume, c, store.speeds)
@@ -185,9 +183,8 @@ class ParticleFluid:
 
     def _accelerate(self) -> None:
         s = self.store
-        cells = s.start, s.grid, s.edges, s.buffers, self.c
-        self._ghost_sweep(s.S, s.ids, *cells, self._first, self.force)
-        self._forces(s.S, *cells, self._speed, s.work)
+        self._ghost_sweep(s.S, s.ids, *s.cells(), self.c, self._first, self.force)
+        self._forces(s.S, *s.cells(), self.c, self._speed, s.work)
 
     def _place(self, t0, since, length, boundary, always=False) -> None:
         """Ghosts to the pose they have `since` seconds after t0; nothing to do when all stand still."""

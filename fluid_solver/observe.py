@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from fluid_solver.cells import neighbour
+from fluid_solver.cells import COLUMNS, neighbour
 from fluid_solver.fields import FLUID, RHO, STRUCTURE, M, U, V, X, Y
 from fluid_solver.sampling import sample, surface_at
 from shared.jit import njit
@@ -108,12 +108,12 @@ def first_connected(x, y, order, reach):
 def inside_walls(S, start, grid, reach):
     """Number of fluid particles nearer than `reach` [m] to a ghost."""
     found = 0
-    for cell in range(grid.columns + 1, start.size // 2 - 1 - grid.columns - 1):
+    for cell in range(grid.columns, grid.columns * (grid.rows - 1)):
         for a in range(start[2 * cell], start[2 * cell + 1]):
             nearest = np.inf
             for j in range(-1, 2):
-                for i in range(-1, 2):
-                    other, x, y = neighbour(grid, cell, i, j)
+                for i in range(-COLUMNS, COLUMNS + 1):
+                    other, x, y = neighbour(grid, cell % grid.columns + i, cell // grid.columns + j)
                     for b in range(start[2 * other + 1], start[2 * other + 2]):
                         nearest = min(nearest, (S[X, a] - S[X, b] - x) ** 2 + (S[Y, a] - S[Y, b] - y) ** 2)
             if nearest < reach * reach:

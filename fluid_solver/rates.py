@@ -18,7 +18,7 @@ from functools import cache
 
 import numba
 
-from fluid_solver.cells import gather
+from fluid_solver.cells import gather, run_of, with_targets
 from fluid_solver.fields import DP, GX, GY, RHO, SX, SY, VOL, P, U, V, X, Y
 from fluid_solver.surface import ISOLATED
 from fluid_solver.terms import pressure_diffusion, transport, velocity_divergence
@@ -36,32 +36,36 @@ def make_rates(kernel: int, transported: bool):
     rows = _ROWS_TRANSPORT if transported else _ROWS
 
     @parallel_njit
-    def rates(S, start, grid, edges, buffers, c, R):
+    def rates(S, start, grid, edges, buffers, columns, c, R):
         """Writes R[DP] [Pa/s] of the fluid."""
         rho_gx = c.rho0 * c.gx
         rho_gy = c.rho0 * c.gy
         for chunk in numba.prange(edges.size - 1):
             b = buffers[chunk]
-            for cell in range(edges[chunk], edges[chunk + 1]):
-                if start[2 * cell] == start[2 * cell + 1]:
+            for segment in range(edges[chunk], edges[chunk + 1]):
+                row, first, last = with_targets(start, grid, segment, 0)
+                if first == last:
                     continue
-                n = gather(S, rows, start, grid, cell, b)
-                for a in range(start[2 * cell], start[2 * cell + 1]):
-                    xa, ya, ua, va, rho_a, p_a = S[X, a], S[Y, a], S[U, a], S[V, a], S[RHO, a], S[P, a]
-                    div = div_r = p_rate = 0.0
-                    for k in range(n):
-                        rx = xa - b[0, k]
-                        ry = ya - b[1, k]
-                        r2 = rx * rx + ry * ry
-                        F = c.gradient * kernel_f(kernel, r2, c.h)
-                        div_r -= b[4, k] * F * r2
-                        div += velocity_divergence(b[4, k], rx, ry, ua - b[2, k], va - b[3, k], F)
-                        if transported:
-                            p_ab = p_a - b[7, k]
-                            p_rate += transport(b[4, k], p_ab, rx, ry, b[5, k], b[6, k], F)
-                            p_rate += pressure_diffusion(b[4, k], p_ab, rx, ry, rho_gx, rho_gy, c.nu_edac, F)
-                    R[DP, a] = rho_a * c.c0 * c.c0 * div + p_rate
-                    if div_r < ISOLATED:
-                        R[DP, a] -= FORGETTING * c.c0 / c.h * min(0.0, p_a)
+                gather(S, rows, 2, start, grid, row, first, last, b, columns[chunk])
+                for column in range(first, last):
+                    cell = row * grid.columns + column
+                    lo, hi = run_of(columns[chunk], column - first)
+                    for a in range(start[2 * cell], start[2 * cell + 1]):
+                        xa, ya, ua, va, rho_a, p_a = S[X, a], S[Y, a], S[U, a], S[V, a], S[RHO, a], S[P, a]
+                        div = div_r = p_rate = 0.0
+                        for k in range(lo, hi):
+                            rx = xa - b[0, k]
+                            ry = ya - b[1, k]
+                            r2 = rx * rx + ry * ry
+                            F = c.gradient * kernel_f(kernel, r2, c.h)
+                            div_r -= b[4, k] * F * r2
+                            div += velocity_divergence(b[4, k], rx, ry, ua - b[2, k], va - b[3, k], F)
+                            if transported:
+                                p_ab = p_a - b[7, k]
+                                p_rate += transport(b[4, k], p_ab, rx, ry, b[5, k], b[6, k], F)
+                                p_rate += pressure_diffusion(b[4, k], p_ab, rx, ry, rho_gx, rho_gy, c.nu_edac, F)
+                        R[DP, a] = rho_a * c.c0 * c.c0 * div + p_rate
+                        if div_r < ISOLATED:
+                            R[DP, a] -= FORGETTING * c.c0 / c.h * min(0.0, p_a)
 
     return rates

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from fluid_solver.cells import neighbour
+from fluid_solver.cells import COLUMNS, neighbour
 from fluid_solver.fields import FLUID, RHO, VOL, P, U, V, X, Y
 from fluid_solver.motion import nearest_image
 from shared.jit import njit
@@ -76,12 +76,12 @@ def lowest_filling(S, start, grid, c):
     """Least share of its support that any particle finds filled, by fluid or ghosts."""
     least = np.inf
     full = np.pi * c.support * c.support
-    for cell in range(grid.columns + 1, start.size // 2 - 1 - grid.columns - 1):
+    for cell in range(grid.columns, grid.columns * (grid.rows - 1)):
         for a in range(start[2 * cell], start[2 * cell + 1]):
             total = 0.0
             for j in range(-1, 2):
-                for i in range(-1, 2):
-                    other, x, y = neighbour(grid, cell, i, j)
+                for i in range(-COLUMNS, COLUMNS + 1):
+                    other, x, y = neighbour(grid, cell % grid.columns + i, cell // grid.columns + j)
                     for b in range(start[2 * other], start[2 * other + 2]):
                         rx, ry = S[X, a] - S[X, b] - x, S[Y, a] - S[Y, b] - y
                         if rx * rx + ry * ry < c.support * c.support:

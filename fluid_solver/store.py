@@ -9,8 +9,10 @@ import numpy as np
 from fluid_solver.cells import (
     BLOCK,
     CHUNKS,
+    COLUMNS,
     LANES,
     MAX_CELLS,
+    SEGMENT,
     Grid,
     bounds,
     count_cells,
@@ -19,7 +21,7 @@ from fluid_solver.cells import (
     share_cells,
     wrap,
 )
-from fluid_solver.fields import FLUID, WORK_ROWS
+from fluid_solver.fields import WORK_ROWS
 from shared.contract import SolverFailed
 
 BUFFER_ROWS = 12  # the widest sweep's rows
@@ -30,9 +32,9 @@ _CROWDED = 1.25  # room in a buffer over the candidates met
 class Store:
     """State `S` (ROWS, n), `kind` and `ids` (n,) in cell order; the first `count` take part, parked ones follow.
 
-    `start`, `grid`: the cells (see cells.py); `edges`: chunks of cells; `buffers`: one per chunk; `work`: results of a
-    sweep; `speeds`: per-block maxima; `clipped`: per-block impulse of the tension taken off [N s/m]. `moved` [m]: a
-    bound of the displacement since the last sort.
+    `start`, `grid`: the cells (see cells.py); `edges`: first segment of each task; `buffers`: candidates of a segment,
+    one per task; `work`: results of a sweep; `speeds`: per-block maxima; `clipped`: per-block impulse of the tension
+    taken off [N s/m]. `moved` [m]: a bound of the displacement since the last sort.
     """
 
     def __init__(self, S: np.ndarray, kind: np.ndarray, support: float, domain: np.ndarray, period: np.ndarray):
@@ -42,12 +44,18 @@ class Store:
         self._key, self._order = np.empty(n, dtype=np.int64), np.empty(n, dtype=np.int64)
         self._cells = np.zeros(2, dtype=np.int64)
         self._support, self._domain, self._period = support, domain, period
-        self._ghosts = int(np.count_nonzero(self.kind != FLUID))
         self.work = np.zeros((WORK_ROWS, n))
         self.speeds = np.empty((2, n // BLOCK + 1))
         self.clipped = np.zeros(n // BLOCK + 1)
         self.edges = np.zeros(CHUNKS + 1, dtype=np.int64)
         self.buffers = np.empty((CHUNKS, BUFFER_ROWS, LANES))
+        self._columns = np.zeros(
+            (  # where the columns of a segment begin in its buffer
+                CHUNKS,
+                SEGMENT + 2 * COLUMNS + 1,
+            ),
+            dtype=np.int64,
+        )
         self.start, self.count, self.parked = self._cells, n, 0
         self.grid = Grid(0, 0, *(float(length) for length in period[:, 1] - period[:, 0]))
         self.moved = self._skin = 0.0
@@ -88,8 +96,10 @@ class Store:
         box = np.where(periodic[:, None], self._period, box)
         width = self._support + self._skin
         tiles = np.maximum(1.0, np.floor(length / width))
-        inv_cell = np.where(periodic, tiles / np.where(periodic, length, 1.0), 1.0 / width)
-        size = np.where(periodic, tiles + 2.0, np.floor((box[:, 1] - box[:, 0]) / width) + 3.0)
+        parts = np.array([float(COLUMNS), 1.0])  # cells in a width
+        inv_cell = parts * np.where(periodic, tiles / np.where(periodic, length, 1.0), 1.0 / width)
+        inside = np.where(periodic, parts * tiles, np.floor((box[:, 1] - box[:, 0]) * inv_cell) + 1.0)
+        size = inside + 2.0 * parts
         if not size[0] * size[1] < MAX_CELLS:
             raise SolverFailed(
                 f"the particles spread from ({box[0, 0]:.4g}, {box[1, 0]:.4g}) to ({box[0, 1]:.4g}, {box[1, 1]:.4g}) m,"
@@ -103,10 +113,14 @@ class Store:
         return box[:, 0].copy(), inv_cell
 
     def _share(self) -> None:
-        most = share_cells(self.start, self.grid, self.edges, self._ghosts)
+        most = share_cells(self.start, self.grid, self.edges)
         if most + 2 * LANES > self.buffers.shape[2]:
             room = int(_CROWDED * most / LANES + 3) * LANES
             self.buffers = np.empty((CHUNKS, BUFFER_ROWS, room))
+
+    def cells(self) -> tuple:
+        """What a sweep needs of the sort: start, grid, edges, buffers, columns."""
+        return self.start, self.grid, self.edges, self.buffers, self._columns
 
     def in_order_of_ids(self, rows, first: int, last: int) -> np.ndarray:
         """Rows of the state, (len(rows), last − first), of the particles with ids in [first, last), by id."""

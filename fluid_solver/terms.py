@@ -51,12 +51,13 @@ def mean_specific_mass(m_b, vol_b, inv_rho_a):
 
 
 @inline_njit
-def artificial_viscosity(g_b, rx, ry, ux, uy, r2, h, alpha_h_c):
-    """−m_b Π_ab = α h c φ m_b/ρ̄ of approaching pairs, φ = u_ab·r_ab/(r² + EPS), to be multiplied by ∇W.
+def artificial_viscosity(m_b, rx, ry, ux, uy, r2, h, alpha_h_c):
+    """−m_b Π_ab = α h c φ m_b/ρ0 of approaching pairs, φ = u_ab·r_ab/(r² + EPS), to be multiplied by ∇W.
 
-    Monaghan (1992), with the sign that makes Π positive on approach, adding to the pressure.
+    Monaghan (1992), with the sign that makes Π positive on approach, adding to the pressure, and ρ0 for the mean
+    density of the pair: they differ by the compression (1 %). `alpha_h_c`: α h c0/ρ0.
     """
-    return g_b * alpha_h_c * min(0.0, ux * rx + uy * ry) / (r2 + EPS * h * h)
+    return m_b * alpha_h_c * min(0.0, ux * rx + uy * ry) / (r2 + EPS * h * h)
 
 
 @inline_njit
@@ -70,8 +71,7 @@ def laminar_viscosity(g_b, rx, ry, ux, uy, r2, h, nu):
 
 
 @inline_njit
-def shifting_weight(vol_b, w, inv_w_dx, F):
-    """V_b [1 + 0.2 (W/W(dx))⁴] F, to be multiplied by r_ab: Sun et al. (2019), against pairing."""
-    s = w * inv_w_dx
+def shifting_weight(vol_f, s):
+    """V_b F [1 + 0.2 s⁴], s = W/W(dx), to be multiplied by r_ab: Sun et al. (2019), against pairing."""
     s2 = s * s
-    return vol_b * (1.0 + 0.2 * s2 * s2) * F
+    return vol_f + vol_f * (0.2 * s2 * s2)

@@ -25,7 +25,7 @@ from functools import cache
 
 import numba
 
-from fluid_solver.cells import gather_fluid
+from fluid_solver.cells import gather, run_of, with_targets
 from fluid_solver.fields import (
     AX,
     AY,
@@ -60,26 +60,30 @@ def make_ghost_velocity(kernel: int, viscous: bool):
     """The compiled sweep that mirrors the fluid's velocity at walls; `viscous`: structures are sticky."""
 
     @parallel_njit
-    def ghost_velocity(S, kind, ids, start, grid, edges, buffers, c, first, pose):
-        """Sets S[GX], S[GY] of the ghosts. A ghost's normal is in `pose` at its id less `first`."""
+    def ghost_velocity(S, kind, ids, start, grid, edges, buffers, columns, c, first_id, pose):
+        """Sets S[GX], S[GY] of the ghosts. A ghost's normal is in `pose` at its id less `first_id`."""
         for chunk in numba.prange(edges.size - 1):
             b = buffers[chunk]
-            for cell in range(edges[chunk], edges[chunk + 1]):
-                if start[2 * cell + 1] == start[2 * cell + 2]:
+            for segment in range(edges[chunk], edges[chunk + 1]):
+                row, first, last = with_targets(start, grid, segment, 1)
+                if first == last:
                     continue
-                n = gather_fluid(S, _ROWS_VELOCITY, start, grid, cell, b)
-                for a in range(start[2 * cell + 1], start[2 * cell + 2]):
-                    total = u_sum = v_sum = 0.0
-                    xa, ya = S[X, a], S[Y, a]
-                    for k in range(n):
-                        rx = xa - b[0, k]
-                        ry = ya - b[1, k]
-                        w = kernel_w(kernel, rx * rx + ry * ry, c.h)
-                        total += w
-                        u_sum += b[2, k] * w
-                        v_sum += b[3, k] * w
-                    sticky = kind[a] == NO_SLIP or (viscous and kind[a] == STRUCTURE)
-                    S[GX, a], S[GY, a] = mirrored(S, a, total, u_sum, v_sum, sticky, pose[ids[a] - first])
+                gather(S, _ROWS_VELOCITY, 1, start, grid, row, first, last, b, columns[chunk])
+                for column in range(first, last):
+                    cell = row * grid.columns + column
+                    lo, hi = run_of(columns[chunk], column - first)
+                    for a in range(start[2 * cell + 1], start[2 * cell + 2]):
+                        total = u_sum = v_sum = 0.0
+                        xa, ya = S[X, a], S[Y, a]
+                        for k in range(lo, hi):
+                            rx = xa - b[0, k]
+                            ry = ya - b[1, k]
+                            w = kernel_w(kernel, rx * rx + ry * ry, c.h)
+                            total += w
+                            u_sum += b[2, k] * w
+                            v_sum += b[3, k] * w
+                        sticky = kind[a] == NO_SLIP or (viscous and kind[a] == STRUCTURE)
+                        S[GX, a], S[GY, a] = mirrored(S, a, total, u_sum, v_sum, sticky, pose[ids[a] - first_id])
 
     return ghost_velocity
 
@@ -103,45 +107,49 @@ def make_ghosts(kernel: int, viscous: bool):
     """The compiled sweep for pressures of ghosts and forces on them."""
 
     @parallel_njit
-    def ghosts(S, ids, start, grid, edges, buffers, c, first, force):
+    def ghosts(S, ids, start, grid, edges, buffers, columns, c, first_id, force):
         """Sets pressure, density and mass of the ghosts, and their `force` (ghosts, 2) [N/m].
 
-        A ghost's place in `force` is its id less `first`.
+        A ghost's place in `force` is its id less `first_id`.
         """
         for chunk in numba.prange(edges.size - 1):
             b = buffers[chunk]
-            for cell in range(edges[chunk], edges[chunk + 1]):
-                if start[2 * cell + 1] == start[2 * cell + 2]:
+            for segment in range(edges[chunk], edges[chunk + 1]):
+                row, first, last = with_targets(start, grid, segment, 1)
+                if first == last:
                     continue
-                n = gather_fluid(S, _ROWS, start, grid, cell, b)
-                for a in range(start[2 * cell + 1], start[2 * cell + 2]):
-                    extrapolate(S, kernel, a, n, b, c)
-                    fx = fy = 0.0
-                    xa, ya, ua, va, gxa, gya = S[X, a], S[Y, a], S[U, a], S[V, a], S[GX, a], S[GY, a]
-                    pr2_a, inv_rho_a, friction = S[PR2, a], S[VOL, a] / S[M, a], S[FRICTION, a]
-                    for k in range(n):
-                        rx = xa - b[0, k]
-                        ry = ya - b[1, k]
-                        F = c.gradient * kernel_f(kernel, rx * rx + ry * ry, c.h)
-                        px, py = pair_force(
-                            viscous, rx, ry, ua - b[2, k], va - b[3, k], gxa - b[2, k], gya - b[3, k],
-                            b[4, k], b[5, k], b[6, k], friction, pr2_a, inv_rho_a, F, c,
-                        )  # fmt: skip
-                        fx += px
-                        fy += py
-                    force[ids[a] - first, 0] = S[M, a] * fx
-                    force[ids[a] - first, 1] = S[M, a] * fy
+                gather(S, _ROWS, 1, start, grid, row, first, last, b, columns[chunk])
+                for column in range(first, last):
+                    cell = row * grid.columns + column
+                    lo, hi = run_of(columns[chunk], column - first)
+                    for a in range(start[2 * cell + 1], start[2 * cell + 2]):
+                        extrapolate(S, kernel, a, lo, hi, b, c)
+                        fx = fy = 0.0
+                        xa, ya, ua, va = S[X, a], S[Y, a], S[GX, a], S[GY, a]
+                        pr2_a, inv_rho_a, friction = S[PR2, a], S[VOL, a] / S[M, a], S[FRICTION, a]
+                        for k in range(lo, hi):
+                            rx = xa - b[0, k]
+                            ry = ya - b[1, k]
+                            F = c.gradient * kernel_f(kernel, rx * rx + ry * ry, c.h)
+                            px, py = pair_force(
+                                viscous, rx, ry, ua - b[2, k], va - b[3, k],
+                                b[4, k], b[5, k], b[6, k], friction, pr2_a, inv_rho_a, F, c,
+                            )  # fmt: skip
+                            fx += px
+                            fy += py
+                        force[ids[a] - first_id, 0] = S[M, a] * fx
+                        force[ids[a] - first_id, 1] = S[M, a] * fy
 
     return ghosts
 
 
 @inline_njit
-def extrapolate(S, kernel, a, n, b, c):
-    """Pressure of ghost `a` by eq. 14 from the `n` fluid candidates in `b`, and with it density and mass."""
+def extrapolate(S, kernel, a, lo, hi, b, c):
+    """Pressure of ghost `a` by eq. 14 from the fluid candidates [lo, hi) of the buffer; density and mass with it."""
     nearest = c.support * c.support
     total = p_sum = x_sum = y_sum = 0.0
     xa, ya = S[X, a], S[Y, a]
-    for k in range(n):
+    for k in range(lo, hi):
         rx = xa - b[0, k]
         ry = ya - b[1, k]
         r2 = rx * rx + ry * ry

@@ -57,13 +57,13 @@ def interior(store: Store) -> np.ndarray:
 
 
 def pressure_rate(store: Store, c: Parameters, transported: bool) -> np.ndarray:
-    make_rates(KERNEL.code, transported)(store.S, store.start, store.grid, store.edges, store.buffers, c, store.work)
+    make_rates(KERNEL.code, transported)(store.S, *store.cells(), c, store.work)
     return store.work[DP]
 
 
 def acceleration(store: Store, c: Parameters, viscous=False, shifting=False, u_max=0.0) -> np.ndarray:
     sweep = make_forces(KERNEL.code, viscous, shifting)
-    sweep(store.S, store.start, store.grid, store.edges, store.buffers, c, u_max, store.work)
+    sweep(store.S, *store.cells(), c, u_max, store.work)
     return store.S[[AX, AY]]
 
 
