@@ -19,7 +19,7 @@ import numpy as np
 
 from shared.schema import Coupling
 
-FILTER = 1e-6
+FILTER = 1e-3
 """A difference that the newer ones explain up to this fraction of its length says nothing new, and is left out."""
 _LARGEST_FACTOR = 2.0  # of Aitken's relaxation, to either side
 

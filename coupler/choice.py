@@ -54,6 +54,19 @@ def make_taker(plan: Plan, coupling: Coupling) -> Taker:
     return lambda c, window: scheme(c, window, how)
 
 
+class Plain(Constant):
+    """The load found is the next load; `size`: of the last difference."""
+
+    def __init__(self):
+        super().__init__(1.0)
+        self.size = 0.0
+
+    def next(self, x: np.ndarray, found: np.ndarray, weight: np.ndarray) -> np.ndarray:
+        """The next load."""
+        self.size = float(np.linalg.norm((found - x)[weight > 0.0]))
+        return super().next(x, found, weight)
+
+
 class Auto:
     """Serial exchange: explicit, then implicit with aitken, then with iqn-ils; never back. `plan.reasons` grows."""
 
@@ -65,7 +78,8 @@ class Auto:
         self._implicit = Iteration(
             self._acceleration, self._measure, coupling.max_iterations, coupling.on_cap == "accept"
         )
-        self._twice = Iteration(Constant(1.0), Measure(0.0, 0.0, coupling.loads), 2, True)
+        self._plain = Plain()
+        self._twice = Iteration(self._plain, Measure(0.0, 0.0, coupling.loads), 2, True)
         self._last: np.ndarray | None = None
         self._swings = 0
 
@@ -79,9 +93,10 @@ class Auto:
             return outcome
         if is_measured(window.index):
             outcome = serial_implicit(c, window, self._twice)
-            first, *again = outcome.changes  # a load that is right at once, such as none, is not asked for twice
-            if again and first > _QUIET and again[0] > _LARGEST_RESPONSE * first:
-                self._step_up(window, f"measured response of the load to itself {again[0] / first:.2g}")
+            left = np.linalg.norm(self._measure.leading(outcome.mapped) - self._measure.leading(outcome.used))
+            response = left / (self._plain.size or np.inf)
+            if len(outcome.changes) > 1 and outcome.changes[0] > _QUIET and response > _LARGEST_RESPONSE:
+                self._step_up(window, f"measured response of the load to itself {response:.2g}")
             return outcome
         outcome = serial_explicit(c, window, self._measure)
         self._watch(window, outcome)

@@ -52,6 +52,10 @@ class Measure:
     def _leading(self, exchange: Exchange) -> str:
         return self.field if isinstance(exchange, Loads) else "velocity_mean"
 
+    def leading(self, exchange: Exchange) -> np.ndarray:
+        """The field that carries the coupling."""
+        return getattr(exchange, self._leading(exchange))
+
     def _floor(self, exchange: Exchange) -> float:
         return self.absolute if isinstance(exchange, Loads) else _STILL
 

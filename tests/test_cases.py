@@ -17,6 +17,7 @@ CASES = (
     "dam_break_plate",
     "hydrostatic_plate",
     "lid_cavity",
+    "light_gate",
     "oscillating_plate",
     "piston",
     "plate_step_load",

@@ -1,0 +1,91 @@
+"""What `auto` chooses, when it steps up, and that it says so; the ledger's limits."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from coupler.choice import Auto, is_measured
+from coupler.ledger import Ledger, LedgerExceeded
+from coupler.run import run_coupled
+from coupler.window import Plan
+from fluid_solver.models import make_model as make_fluid
+from shared.clock import Clock
+from shared.schema_coupling import Coupling, Limits
+from solid_solver.models import make_model as make_solid
+from tests.coupled_models import couple, join, march, piston
+
+ABSORBING = "fluid.column.reflection=0"
+
+
+def test_a_heavy_piston_is_left_to_lagged_exchange():
+    history = couple(piston([ABSORBING, "end_time=0.1"], scheme="auto", window=1e-3))
+    assert history.plan.scheme == "serial-explicit"
+    assert len(history.plan.reasons) == 1
+    assert all(len(o.changes) == (2 if is_measured(k) else 1) for k, o in enumerate(history.outcomes))
+
+
+def test_a_light_piston_is_iterated_from_the_start():
+    history = couple(piston([ABSORBING, "end_time=0.1", "solid.density=500"], scheme="auto", window=1e-3))
+    assert history.plan.scheme == "serial-implicit"
+    assert "response" in history.plan.reasons[0]
+    assert all(outcome.converged for outcome in history.outcomes)
+
+
+def test_a_measured_response_ends_lagged_exchange():
+    """Told that lagged exchange would do, `auto` measures |g| = r = 0.9 in window 1 and steps up."""
+    scene = piston(["fluid.column.compressible=false", f"solid.density={10000.0 / 0.9!r}", "end_time=0.02"])
+    clock, plan = Clock.fitting(0.02, 1e-3), Plan("serial-explicit", "aitken", 1e-3)
+    c = join(make_fluid(scene, True, 1), make_solid(scene, True, 1), clock, 0)
+    history = march(c, Auto(plan, Coupling()), clock, 20)
+    assert plan.reasons == [
+        "window 1, t = 0.001 s: serial-explicit to serial-implicit with aitken: measured response of the "
+        "load to itself 0.9"
+    ]
+    assert all(len(outcome.changes) > 1 for outcome in history.outcomes[2:])
+
+
+def test_overshooting_loads_end_lagged_exchange(monkeypatch):
+    """The same without measured windows: the lagged load swings to and fro, each time by more."""
+    monkeypatch.setattr("coupler.choice.is_measured", lambda index: False)
+    scene = piston(["fluid.column.compressible=false", f"solid.density={10000.0 / 1.3!r}", "end_time=0.04"])
+    clock, plan = Clock.fitting(0.04, 1e-3), Plan("serial-explicit", "aitken", 1e-3)
+    c = join(make_fluid(scene, True, 1), make_solid(scene, True, 1), clock, 0)
+    history = march(c, Auto(plan, Coupling()), clock, 40)
+    assert "overshot" in plan.reasons[0]
+    assert np.abs(history.points).max() < 1e-3
+
+
+def test_choice_repeats_to_the_byte():
+    sets = [ABSORBING, "end_time=0.1", "solid.density=500"]
+    runs = [couple(piston(sets, scheme="auto", window=1e-3)).points.tobytes() for _ in range(2)]
+    assert runs[0] == runs[1]
+
+
+def test_reasons_are_in_the_result_and_the_log(tmp_path):
+    scene = piston([ABSORBING, "end_time=0.02"], scheme="auto", window=1e-3)
+    record = run_coupled(scene, "piston", tmp_path / "run", {"fluid": 1, "solid": 1}, True, "inprocess")
+    coupling = record.result["cost"]["coupling"]
+    assert coupling["scheme"] == "serial-explicit"
+    assert coupling["reasons"][0].startswith("serial-explicit: α = 0.05")
+    assert coupling["reasons"][0] in (tmp_path / "run" / "log" / "coupler.txt").read_text()
+
+
+def test_the_ledger_stops_a_pumped_column_and_names_the_way_out(tmp_path):
+    """Lagged exchange with a column that loses nothing makes energy; the run ends before it blows up."""
+    scene = piston(scheme="serial-explicit", window=4e-3)
+    with pytest.raises(LedgerExceeded, match=r"energy .* coupling.limits.energy = 0.5.*serial-implicit"):
+        couple(scene, ledger=Ledger(tmp_path / "ledger.csv", scene.coupling.limits))
+    couple(scene, 150, ledger=Ledger(tmp_path / "free.csv", Limits(energy=1e9, impulse=1e9)))
+
+
+def test_the_ledger_leaves_an_iterated_column_alone(tmp_path):
+    ledger = Ledger(tmp_path / "ledger.csv", Limits(energy=1e-3, impulse=1e-3))
+    couple(piston(["end_time=0.5"], window=2e-3, scheme="serial-implicit"), ledger=ledger)
+    assert abs(ledger.summary()["work_error"]) < 1e-3
+
+
+def test_force_lost_by_the_map_stops_the_run_at_once(tmp_path):
+    scene = piston(window=1e-3, scheme="serial-explicit")
+    with pytest.raises(LedgerExceeded, match="mapping"):
+        couple(scene, 5, ledger=Ledger(tmp_path / "ledger.csv", Limits(mapping=1e-300)))
