@@ -51,6 +51,16 @@ njit = numba.njit(**FLAGS)
 parallel_njit = numba.njit(parallel=True, **FLAGS)
 """Compile with the house flags and `prange`. Gather only: a result must not depend on the thread count."""
 
+_ORDERED = FLAGS | {"fastmath": FLAGS["fastmath"] - {"reassoc"}}
+
+ordered_njit = numba.njit(**_ORDERED)
+"""Compile with sums in the order written, for long callees of a parallel loop, which inlining would make slow to
+compile: without `reassoc` every copy of a callee rounds alike (see `inline_njit`). Loops that add side by side lose
+nothing."""
+
+ordered_parallel_njit = numba.njit(parallel=True, **_ORDERED)
+"""As `parallel_njit`, for loops over callees compiled with `ordered_njit`."""
+
 inline_njit = numba.njit(inline="always", **{k: v for k, v in FLAGS.items() if k != "cache"})
 """For pair terms and every other callee with arithmetic: inlined into the sweep that calls it, so that the sweep
 vectorises, and so that a process that compiles runs the same instructions as one that loads from the cache (a callee

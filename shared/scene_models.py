@@ -83,6 +83,26 @@ def _motion(scene: Scene) -> Iterator[str]:
             yield f"solid.motion: with a fluid it is for model rigid, not for model {solid.model}"
 
 
+def _moving_clamps(scene: Scene) -> Iterator[str]:
+    """Clamps that follow a motion table."""
+    solid = scene.solid
+    if solid is None or solid.model is None:
+        return
+    moving = {clamp.body for clamp in solid.clamps or [] if clamp.motion is not None}
+    for i, clamp in enumerate(solid.clamps or []):
+        if clamp.motion is None:
+            continue
+        path = f"solid.clamps[{i}].motion"
+        if solid.model != "ctvf":
+            yield f"{path}: is for model ctvf, not for model {solid.model}"
+        shift, angle = clamp.motion.translation, clamp.motion.rotation
+        if (shift and tuple(shift[0]) != (0.0, 0.0)) or (angle and angle[0] != 0.0):
+            yield f"{path}: starts displaced, which would tear the body; begin with translation (0, 0) and rotation 0"
+    for i, probe in enumerate(scene.probes):
+        if probe.body in moving and probe.quantity == "dissipated":
+            yield f"probes[{i}].quantity: the work of moving clamps is not kept, so what is dissipated is not known"
+
+
 def _quantities(scene: Scene) -> Iterator[str]:
     """Probes that the model cannot express."""
     solid = scene.solid
@@ -162,5 +182,12 @@ def _unused(scene: Scene) -> Iterator[str]:
                 yield f"{wrong}; model beam wants {WANTED_SLENDER:g}"
 
 
-MODEL_CHECKS: tuple[Callable[[Scene], Iterator[str]], ...] = (_beams, _motion, _quantities, _starts, _following)
+MODEL_CHECKS: tuple[Callable[[Scene], Iterator[str]], ...] = (
+    _beams,
+    _motion,
+    _moving_clamps,
+    _quantities,
+    _starts,
+    _following,
+)
 MODEL_WARNINGS: tuple[Callable[[Scene], Iterator[str]], ...] = (_unused,)

@@ -295,6 +295,7 @@ class Clamp(Table):
     face: str = key(
         about=("left, right, bottom, top (in the body's own frame before rotation), or edge-N of a polygon (N from 0)")
     )
+    motion: Motion | None = key(None, about="prescribed motion of the held face; absent: fixed")
 
 
 class TimeTable(Table):

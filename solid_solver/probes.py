@@ -53,8 +53,13 @@ def field_weights(position: np.ndarray, spacing: np.ndarray, axes: np.ndarray, p
     return near, np.linalg.pinv(weight[:, None] * basis)[0] * weight
 
 
-def _displacement(probe: Probe, body: LatticeBody) -> Value:
-    _, column, weight = body.point_weights(np.array([probe.point], dtype=float))
+def _displacement(probe: Probe, body: LatticeBody, moving: bool) -> Value:
+    """`moving`: a clamp of the body moves, so that the fit with points held still does not hold."""
+    if moving:
+        column, weight = field_weights(body.position, body.spacing, body.axes, np.array(probe.point))
+        column = body.first + column
+    else:
+        _, column, weight = body.point_weights(np.array([probe.point], dtype=float))
     component = 0 if probe.quantity == "displacement-x" else 1
     return lambda seen: float(weight @ seen.displacement[column, component])
 
@@ -108,6 +113,7 @@ def _of_body(quantity: str, k: int, own: slice, mass: np.ndarray) -> Value:
 def solid_probes(scene: Scene, bodies: list[LatticeBody]) -> dict[str, Value]:
     """The probes that belong to the solid, by name, as functions of what the model shows."""
     number = {b.shape.name: k for k, b in enumerate(bodies)}
+    moving = {clamp.body for clamp in scene.solid.clamps if clamp.motion is not None}
     result: dict[str, Value] = {}
     for probe in scene.probes:
         if probe.body not in number or probe.quantity in ("force-x", "force-y"):
@@ -115,7 +121,7 @@ def solid_probes(scene: Scene, bodies: list[LatticeBody]) -> dict[str, Value]:
         k = number[probe.body]
         body = bodies[k]
         if probe.quantity in ("displacement-x", "displacement-y"):
-            result[probe.name] = _displacement(probe, body)
+            result[probe.name] = _displacement(probe, body, probe.body in moving)
         elif probe.quantity in ("stress-xx", "stress-yy", "stress-xy", "von-mises"):
             result[probe.name] = _stress(probe, body)
         else:

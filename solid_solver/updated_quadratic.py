@@ -1,210 +1,137 @@
-"""Compiled sweeps of the updated-Lagrangian solid with a quadratic gradient.
-
-Symbols as in updated_sweeps.py; d = (x_b − x_a)/h, p(d) = (d0, d1, d0²/2, d0 d1, d1²/2), w_ab = V_b W_ab. About each
-particle the velocity is fitted by a full quadratic (moving least squares), M_a = Σ w p pᵀ, and
-
-    D_a = Σ_b w_ab Γ_a p_ab (u_b − u_a),   D = (∂0, ∂1, ∂00, ∂01, ∂11) u,
-
-with Γ the rows of M⁻¹, by h for the gradient and by h² for the second derivatives: exact for quadratic fields. Stress
-is integrated over each cell with its linear variation, as in strain_gradient.py, in rates and for a square cell:
-
-    dS/dt as in updated_material.py,   dZ_k/dt = V/12 C:ε̇,k + rotation,   C:ε = λ tr(ε) I + 2 G ε.
-
-Forces are the transpose of the derivatives,
-
-    du_a/dt = Σ_b m_b W_ab [ψ_a p_ab/ρ_a² − ψ_b p_ba/ρ_b² − …],   ψ = (σ, Z) Γ   (2 × 5).
-
-Fixed particles enter the fits with their area; they carry no stress.
-"""
+"""Sweeps of the updated-Lagrangian solid with a gradient that is exact for quadratic fields."""
 
 from __future__ import annotations
 
-import math
+import numpy as np
 
-from numba import prange
+from shared.jit import inline_njit, ordered_njit
+from solid_solver.blocks import CHUNK, GROUP, RUN
+from solid_solver.updated_fields import ACTS, AX, AY, E0, E1, G00, G01, G10, G11, IRHO, OWN, RHO, SXX, SXY, SYY, SZZ, M
+from solid_solver.updated_fit import SUMS, add_differences, add_moments, factors, solved
+from solid_solver.updated_material import by_middle, carried, spin, turned, turned_stress
+from solid_solver.updated_pairs import OWN_SIZE, PAIR_SIZE, fit_force_pair, fit_pair, load_own
 
-from shared.jit import njit, parallel_njit
-from shared.kernels import kernel_f, kernel_w
-from solid_solver.shifting import short_range
-from solid_solver.updated_material import spin
+Z0, Z1, Z2, Z3, Z4, Z5, W0, W1, W2, W3, W4, P0, P1, P2, P3, P4, R0, R1, R2, R3, R4 = range(OWN, OWN + 21)
 
-TERMS = 5
-CHUNK = 32
-_SINGULAR = 1.0e-9  # pivot over its diagonal below which a direction of the fit is left out
-
-
-def chunks(count: int) -> int:
-    """Number of chunks of `count` particles."""
-    return (count + CHUNK - 1) // CHUNK
+ROWS = OWN + 21
+_AT = (SUMS - M) * RUN
+_WORK = _AT + ROWS * RUN
 
 
-@njit
-def _solve(m):
-    """Gauss elimination in place of symmetric M (5, 5) beside its right-hand sides, m (5, 10); left-out rows give 0."""
-    for k in range(TERMS):
-        if m[k, k] < _SINGULAR:
-            for j in range(k, 2 * TERMS):
-                m[k, j] = 0.0
-            m[k, k] = 1.0
-            continue
-        inverse = 1.0 / m[k, k]
-        for i in range(k + 1, TERMS):
-            factor = m[i, k] * inverse
-            for j in range(k + 1, 2 * TERMS):
-                m[i, j] -= factor * m[k, j]
-    for k in range(TERMS - 1, -1, -1):
-        inverse = 1.0 / m[k, k]
-        for c in range(TERMS, 2 * TERMS):
-            total = m[k, c]
-            for j in range(k + 1, TERMS):
-                total -= m[k, j] * m[j, c]
-            m[k, c] = total * inverse
-
-
-@njit
-def _fit(a, x, u, volume, first, neighbour, code, h, m):
-    """M of particle `a` into `m`, and the sums Σ w p (u_b − u_a) as two tuples."""
-    px, py, ux, uy = x[0], x[1], u[0], u[1]
-    inverse = 1.0 / h
-    m20 = m11 = m02 = m30 = m21 = m12 = m03 = m40 = m31 = m22 = m13 = m04 = 0.0
-    a0 = a1 = a2 = a3 = a4 = b0 = b1 = b2 = b3 = b4 = 0.0
-    x0, x1, u0, u1 = px[a], py[a], ux[a], uy[a]
-    for k in range(first[a], first[a + 1]):
-        b = neighbour[k]
-        r0, r1 = (px[b] - x0) * inverse, (py[b] - x1) * inverse
-        w = kernel_w(code, r0 * r0 + r1 * r1, 1.0) * volume[b] * inverse * inverse
-        p2, p3, p4 = 0.5 * r0 * r0, r0 * r1, 0.5 * r1 * r1
-        w0, w1, w2, w3, w4 = w * r0, w * r1, w * p2, w * p3, w * p4
-        du, dv = ux[b] - u0, uy[b] - u1
-        m20 += w0 * r0
-        m11 += w0 * r1
-        m02 += w1 * r1
-        m30 += w0 * p2
-        m21 += w0 * p3
-        m12 += w0 * p4
-        m03 += w1 * p4
-        m40 += w2 * p2
-        m31 += w2 * p3
-        m22 += w2 * p4
-        m13 += w3 * p4
-        m04 += w4 * p4
-        a0 += w0 * du
-        a1 += w1 * du
-        a2 += w2 * du
-        a3 += w3 * du
-        a4 += w4 * du
-        b0 += w0 * dv
-        b1 += w1 * dv
-        b2 += w2 * dv
-        b3 += w3 * dv
-        b4 += w4 * dv
-    m[0, 0], m[0, 1], m[0, 2], m[0, 3], m[0, 4] = m20, m11, m30, m21, m12
-    m[1, 0], m[1, 1], m[1, 2], m[1, 3], m[1, 4] = m11, m02, 0.5 * m21, 2.0 * m12, m03
-    m[2, 0], m[2, 1], m[2, 2], m[2, 3], m[2, 4] = m30, 0.5 * m21, m40, m31, m22
-    m[3, 0], m[3, 1], m[3, 2], m[3, 3], m[3, 4] = m21, 2.0 * m12, m31, 4.0 * m22, m13
-    m[4, 0], m[4, 1], m[4, 2], m[4, 3], m[4, 4] = m12, m03, m22, m13, m04
-    return (a0, a1, a2, a3, a4), (b0, b1, b2, b3, b4)
-
-
-@njit
-def _derivatives_of_chunk(chunk, x, u, volume, first, neighbour, code, h, derivatives, fits, m):
-    for a in range(chunk * CHUNK, min(first.size - 1, (chunk + 1) * CHUNK)):
-        du, dv = _fit(a, x, u, volume, first, neighbour, code, h, m)
-        m[:, TERMS:] = 0.0
-        m[0, 5] = m[1, 6] = 1.0 / h
-        m[2, 7] = m[3, 8] = m[4, 9] = 1.0 / (h * h)
-        _solve(m)
-        for c in range(TERMS):
-            s = t = 0.0
-            for k in range(TERMS):
-                row = m[k, TERMS + c]
-                fits[TERMS * c + k, a] = row
-                s += row * du[k]
-                t += row * dv[k]
-            at = c if c < 2 else c + 2
-            derivatives[at, a], derivatives[at + (2 if c < 2 else 3), a] = s, t
-
-
-@parallel_njit
-def quadratic_derivatives(x, u, volume, first, neighbour, code, h, derivatives, fits, scratch):
-    """D of u into `derivatives` (10, n): ∇u row by row, second derivatives of u_x, of u_y; Γ row by row into `fits`
-    (25, n). `scratch` (chunks, 5, 10): room for each chunk's M."""
-    for c in prange(scratch.shape[0]):
-        _derivatives_of_chunk(c, x, u, volume, first, neighbour, code, h, derivatives, fits, scratch[c])
-
-
-@parallel_njit
-def quadratic_flux(volume, rho, stress, curvature, derivatives, fits, flux, material, dt):
-    """Z over `dt` into `curvature` (6, free): xx, xy, yy of Z_0, of Z_1; then ψ/ρ² into `flux` (10, free).
-
-    `material`: G, c² = K/ρ0, ρ0, unused.
-    """
+@inline_njit
+def _material(d, count, material, h, dt):
+    """From the sums in `d` the rows of the state behind them, after `dt`."""
     shear, c_squared, rho0, _ = material
     lam = c_squared * rho0 - 2.0 * shear / 3.0
-    for a in prange(flux.shape[1]):
-        cosine, sine = spin((0.0, derivatives[1, a], derivatives[2, a], 0.0), dt)
-        c2, s2, cs = cosine * cosine, sine * sine, cosine * sine
-        gain = dt * volume[a] / 12.0
-        x00, x01, x11 = derivatives[4, a], derivatives[5, a], derivatives[6, a]
-        y00, y01, y11 = derivatives[7, a], derivatives[8, a], derivatives[9, a]
-        t0, t1 = gain * lam * (x00 + y01), gain * lam * (x01 + y11)
-        xx, xy, yy = curvature[0, a], curvature[1, a], curvature[2, a]
-        p0, p1, p2 = (
-            c2 * xx - 2.0 * cs * xy + s2 * yy,
-            cs * (xx - yy) + (c2 - s2) * xy,
-            s2 * xx + 2.0 * cs * xy + c2 * yy,
-        )
-        xx, xy, yy = curvature[3, a], curvature[4, a], curvature[5, a]
-        q0, q1, q2 = (
-            c2 * xx - 2.0 * cs * xy + s2 * yy,
-            cs * (xx - yy) + (c2 - s2) * xy,
-            s2 * xx + 2.0 * cs * xy + c2 * yy,
-        )
+    rate = 1.0 / dt if dt > 0.0 else 0.0
+    per_h, per_h2 = 1.0 / h, 1.0 / (h * h)
+    for l in range(count):
+        at = _AT + l
+        irho = 1.0 / d[at + RHO * RUN]
+        fit = factors(d, l, irho)
+        step = dt * irho
+        r0, r1, r2, r3, r4 = d[14 * RUN + l], d[15 * RUN + l], d[16 * RUN + l], d[17 * RUN + l], d[18 * RUN + l]
+        a, b, x00, x01, x11 = solved(fit, step * r0, step * r1, step * r2, step * r3, step * r4)
+        r0, r1, r2, r3, r4 = d[19 * RUN + l], d[20 * RUN + l], d[21 * RUN + l], d[22 * RUN + l], d[23 * RUN + l]
+        c, e, y00, y01, y11 = solved(fit, step * r0, step * r1, step * r2, step * r3, step * r4)
+        a, b, c, e = per_h * a, per_h * b, per_h * c, per_h * e
+        d[at + G00 * RUN], d[at + G01 * RUN] = a * rate, b * rate
+        d[at + G10 * RUN], d[at + G11 * RUN] = c * rate, e * rate
+        rho = d[at + RHO * RUN] * ((1.0 - a) * (1.0 - e) - b * c)
+        irho = 1.0 / rho
+        d[at + RHO * RUN], d[at + IRHO * RUN] = rho, irho
+        d[at + E0 * RUN], d[at + E1 * RUN] = carried(d[at + E0 * RUN], d[at + E1 * RUN], a, b, c, e)
+        middle = by_middle(a, b, c, e)
+        stress = (d[at + SXX * RUN], d[at + SXY * RUN], d[at + SYY * RUN], d[at + SZZ * RUN])
+        xx, xy, yy, zz = turned_stress(stress, middle, shear)
+        d[at + SXX * RUN], d[at + SXY * RUN], d[at + SYY * RUN], d[at + SZZ * RUN] = xx, xy, yy, zz
+        cosine, sine = spin(middle)
+        p0, p1, p2 = turned(d[at + Z0 * RUN], d[at + Z1 * RUN], d[at + Z2 * RUN], cosine, sine)
+        q0, q1, q2 = turned(d[at + Z3 * RUN], d[at + Z4 * RUN], d[at + Z5 * RUN], cosine, sine)
+        gain = per_h2 * d[at + M * RUN] * irho / 12.0
         g = gain * shear
-        z0, z1, z2 = cosine * p0 - sine * q0, cosine * p1 - sine * q1, cosine * p2 - sine * q2
-        z3, z4, z5 = sine * p0 + cosine * q0, sine * p1 + cosine * q1, sine * p2 + cosine * q2
-        z0, z1, z2 = z0 + t0 + 2.0 * g * x00, z1 + g * (x01 + y00), z2 + t0 + 2.0 * g * y01
-        z3, z4, z5 = z3 + t1 + 2.0 * g * x01, z4 + g * (x11 + y01), z5 + t1 + 2.0 * g * y11
-        curvature[0, a], curvature[1, a], curvature[2, a] = z0, z1, z2
-        curvature[3, a], curvature[4, a], curvature[5, a] = z3, z4, z5
-        per = 1.0 / (rho[a] * rho[a])
-        pressure = c_squared * (rho[a] - rho0)
-        xx, xy, yy = per * (stress[0, a] - pressure), per * stress[1, a], per * (stress[2, a] - pressure)
-        z0, z1, z2, z3, z4, z5 = per * z0, per * z1, per * z2, per * z3, per * z4, per * z5
-        for k in range(TERMS):
-            f0, f1, f2 = fits[k, a], fits[TERMS + k, a], fits[2 * TERMS + k, a]
-            f3, f4 = fits[3 * TERMS + k, a], fits[4 * TERMS + k, a]
-            flux[k, a] = xx * f0 + xy * f1 + z0 * f2 + (z1 + z3) * f3 + z4 * f4
-            flux[TERMS + k, a] = xy * f0 + yy * f1 + z1 * f2 + (z2 + z4) * f3 + z5 * f4
+        t0, t1 = gain * lam * (x00 + y01), gain * lam * (x01 + y11)
+        z0 = cosine * p0 - sine * q0 + t0 + 2.0 * g * x00
+        z1 = cosine * p1 - sine * q1 + g * (x01 + y00)
+        z2 = cosine * p2 - sine * q2 + t0 + 2.0 * g * y01
+        z3 = sine * p0 + cosine * q0 + t1 + 2.0 * g * x01
+        z4 = sine * p1 + cosine * q1 + g * (x11 + y01)
+        z5 = sine * p2 + cosine * q2 + t1 + 2.0 * g * y11
+        d[at + Z0 * RUN], d[at + Z1 * RUN], d[at + Z2 * RUN] = z0, z1, z2
+        d[at + Z3 * RUN], d[at + Z4 * RUN], d[at + Z5 * RUN] = z3, z4, z5
+        pressure = c_squared * (rho - rho0)
+        per = irho * irho * d[at + ACTS * RUN]
+        one, two = per * per_h, per * per_h2
+        r0, r1, r2, r3, r4 = solved(fit, one * (xx - pressure), one * xy, two * z0, two * (z1 + z3), two * z4)
+        d[at + P0 * RUN], d[at + P1 * RUN], d[at + P2 * RUN], d[at + P3 * RUN], d[at + P4 * RUN] = r0, r1, r2, r3, r4
+        r0, r1, r2, r3, r4 = solved(fit, one * xy, one * (yy - pressure), two * z1, two * (z2 + z4), two * z5)
+        d[at + R0 * RUN], d[at + R1 * RUN], d[at + R2 * RUN], d[at + R3 * RUN], d[at + R4 * RUN] = r0, r1, r2, r3, r4
+        d[at + W0 * RUN], d[at + W1 * RUN] = d[12 * RUN + l], d[13 * RUN + l]
+        d[at + W2 * RUN], d[at + W3 * RUN], d[at + W4 * RUN] = 0.5 * d[l], d[RUN + l], 0.5 * d[2 * RUN + l]
 
 
-@parallel_njit
-def quadratic_accelerations(x, u, mass, volume, flux, first, neighbour, code, h, viscosity, spacing, a_out, crowding):
-    """du/dt of the free particles into `a_out` (2, free); arguments as in updated_sweeps.accelerations."""
-    px, py, ux, uy = x[0], x[1], u[0], u[1]
-    inverse, free = 1.0 / h, crowding.size
-    for a in prange(free):
-        f0 = f1 = crowd = 0.0
-        x0, x1, u0, u1 = px[a], py[a], ux[a], uy[a]
-        s0, s1, s2, s3, s4 = flux[0, a], flux[1, a], flux[2, a], flux[3, a], flux[4, a]
-        t0, t1, t2, t3, t4 = flux[5, a], flux[6, a], flux[7, a], flux[8, a], flux[9, a]
-        half_density = 0.5 * mass[a] / volume[a]
-        for k in range(first[a], first[a + 1]):
-            b = neighbour[k]
-            r0, r1 = px[b] - x0, py[b] - x1
-            r2 = r0 * r0 + r1 * r1
-            d0, d1 = r0 * inverse, r1 * inverse
-            p2, p3, p4 = 0.5 * d0 * d0, d0 * d1, 0.5 * d1 * d1
-            m, v = mass[b], volume[b]
-            w = kernel_w(code, d0 * d0 + d1 * d1, 1.0) * inverse * inverse * m
-            approach = min(0.0, (u0 - ux[b]) * -r0 + (u1 - uy[b]) * -r1)
-            pi = -viscosity * approach * v / ((r2 + 0.01 * h * h) * (half_density * v + 0.5 * m))
-            f = kernel_f(code, r2, h) * m * pi
-            f0 += w * (s0 * d0 + s1 * d1 + s2 * p2 + s3 * p3 + s4 * p4) + f * r0
-            f1 += w * (t0 * d0 + t1 * d1 + t2 * p2 + t3 * p3 + t4 * p4) + f * r1
-            if b < free:
-                f0 += w * (flux[0, b] * d0 + flux[1, b] * d1 - flux[2, b] * p2 - flux[3, b] * p3 - flux[4, b] * p4)
-                f1 += w * (flux[5, b] * d0 + flux[6, b] * d1 - flux[7, b] * p2 - flux[8, b] * p3 - flux[9, b] * p4)
-            crowd += short_range(math.sqrt(r2) / spacing[b])
-        a_out[0, a], a_out[1, a] = f0, f1
-        crowding[a] = crowd
+@ordered_njit
+def quadratic_stress(chunk, blocks, S, code, h, material, dt):
+    own, pairs, d = np.empty(OWN_SIZE), np.empty(GROUP * PAIR_SIZE), np.empty(_WORK)
+    for n in range(chunk * CHUNK, min(blocks.start.size, (chunk + 1) * CHUNK)):
+        s, count = blocks.start[n], blocks.count[n]
+        load_own(own, S, s, count)
+        for c in range(SUMS * RUN):
+            d[c] = 0.0
+        for k in range(blocks.first[n], blocks.first[n + 1], GROUP):
+            for g in range(GROUP):
+                pair = pairs[g * PAIR_SIZE : (g + 1) * PAIR_SIZE]
+                fit_pair(pair, own, S, s + blocks.distance[k + g], count, code, h)
+            add_moments(d, pairs, count)
+            add_differences(d, pairs, count)
+        for row in range(M, ROWS):
+            for l in range(count):
+                d[_AT + row * RUN + l] = S[row, s + l]
+        _material(d, count, material, h, dt)
+        for row in range(RHO, ROWS):
+            for l in range(count):
+                S[row, s + l] = d[_AT + row * RUN + l]
+
+
+@inline_njit
+def _add_force(force, pair, S, first, p, count):
+    """Add one component of the forces that neighbours from slot `p` on exert by their own stress."""
+    a, b, c = S[first, p : p + count], S[first + 1, p : p + count], S[first + 2, p : p + count]
+    d, e = S[first + 3, p : p + count], S[first + 4, p : p + count]
+    for l in range(count):
+        d0, d1, w = pair[l], pair[RUN + l], pair[2 * RUN + l]
+        odd = a[l] * d0 + b[l] * d1
+        force[l] += w * (odd - 0.5 * d0 * d0 * c[l] - d0 * d1 * d[l] - 0.5 * d1 * d1 * e[l])
+
+
+@inline_njit
+def _add_viscosity(force, pair, count):
+    for l in range(count):
+        force[l] += pair[3 * RUN + l] * pair[l]
+        force[RUN + l] += pair[3 * RUN + l] * pair[RUN + l]
+
+
+@ordered_njit
+def quadratic_forces(chunk, blocks, S, code, h, viscosity):
+    own, pair, force = np.empty(OWN_SIZE), np.empty(PAIR_SIZE), np.empty(2 * RUN)
+    fx, fy = force[:RUN], force[RUN:]
+    for n in range(chunk * CHUNK, min(blocks.start.size, (chunk + 1) * CHUNK)):
+        s, count = blocks.start[n], blocks.count[n]
+        load_own(own, S, s, count)
+        for l in range(2 * RUN):
+            force[l] = 0.0
+        for row in range(5):
+            for l in range(count):
+                fx[l] += S[P0 + row, s + l] * S[W0 + row, s + l]
+            for l in range(count):
+                fy[l] += S[R0 + row, s + l] * S[W0 + row, s + l]
+        for k in range(blocks.first[n], blocks.first[n + 1]):
+            p = s + blocks.distance[k]
+            fit_force_pair(pair, own, S, p, count, code, h, viscosity)
+            _add_force(fx, pair, S, P0, p, count)
+            _add_force(fy, pair, S, R0, p, count)
+            _add_viscosity(force, pair, count)
+        for l in range(count):
+            S[AX, s + l] = fx[l]
+        for l in range(count):
+            S[AY, s + l] = fy[l]

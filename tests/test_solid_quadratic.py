@@ -3,55 +3,40 @@
 import numpy as np
 import pytest
 
-from shared.kernels import WENDLAND_C2
 from solid_solver import updated_lagrangian
 from solid_solver.models import make_model
-from solid_solver.updated_quadratic import (
-    TERMS,
-    chunks,
-    quadratic_accelerations,
-    quadratic_derivatives,
-    quadratic_flux,
-)
+from solid_solver.updated_fields import G00, G11, OWN, U, X, Y
 from tests.solid_scenes import beam_scene, run, solid_scene
-from tests.test_solid_updated import Cloud, H
-
-
-def derivatives(cloud, u):
-    found, fits = np.zeros((10, cloud.count)), np.zeros((TERMS * TERMS, cloud.count))
-    pairs, scratch = (cloud.first, cloud.neighbour, WENDLAND_C2, H), np.zeros((chunks(cloud.count), TERMS, 2 * TERMS))
-    quadratic_derivatives(cloud.x, u, cloud.volume, *pairs, found, fits, scratch)
-    return found, fits
+from tests.test_solid_updated import DT, DX, get, jittered, power_of_stresses, put
 
 
 def test_derivatives_of_a_quadratic_field_are_exact_on_a_jittered_lattice_also_at_its_corners():
-    cloud = Cloud()
-    x, y = cloud.x
-    u = np.array([1 + 2 * x - y + 3 * x * x - x * y + 0.5 * y * y, 0.3 * x - 2 * y + x * x + 2 * x * y - 4 * y * y])
-    one = np.ones_like(x)
+    """Second derivatives are read off the rates of Z_k = V/12 C:ε̇,k, here with ν = 0 and 2G = 1."""
+    model = jittered(gradient="quadratic", poisson_ratio=0.0)
+    x, y = get(model, X, Y)
+    put(
+        model,
+        U,
+        np.array([1 + 2 * x - y + 3 * x * x - x * y + 0.5 * y * y, 0.3 * x - 2 * y + x * x + 2 * x * y - 4 * y * y]),
+    )
+    model._at_once(DT)
     gradient = [2 + 6 * x - y, -1 - x + y, 0.3 + 2 * x + 2 * y, -2 + 2 * x - 8 * y]
-    expected = np.array([*gradient, 6 * one, -one, one, 2 * one, 2 * one, -8 * one])
-    np.testing.assert_allclose(derivatives(cloud, u)[0], expected, atol=1e-10)
+    np.testing.assert_allclose(get(model, G00, G11), gradient, atol=1e-6)
+    rate = get(model, OWN, OWN + 5) / DT * 12.0 / (DX * DX)
+    # ε,0 = (6, (−1 + 2)/2, 2), ε,1 = (−1, (1 + 2)/2, −8)
+    np.testing.assert_allclose(rate, np.tile([[6.0], [0.5], [2.0], [-1.0], [1.5], [-8.0]], len(x)), atol=1e-4)
 
 
 def test_forces_do_the_work_of_both_stresses_and_keep_momentum_and_moment():
-    cloud = Cloud()
-    rng = np.random.default_rng(0)
-    u = rng.standard_normal(cloud.x.shape)
-    d, fits = derivatives(cloud, u)
-    rho, mass = np.full(cloud.count, 1000.0), 1000.0 * cloud.volume
-    s, z = rng.standard_normal((4, cloud.count)), 0.1 * rng.standard_normal((6, cloud.count))
-    flux = np.zeros((10, cloud.count))
-    quadratic_flux(cloud.volume, rho, s, z, d, fits, flux, (1.0, 0.01, 900.0, 0.0), 0.0)  # c² (ρ − ρ0): p = 1
-    a, crowding = np.zeros_like(u), np.zeros(cloud.count)
-    pairs = cloud.first, cloud.neighbour, WENDLAND_C2, H
-    quadratic_accelerations(cloud.x, u, mass, cloud.volume, flux, *pairs, 0.0, cloud.spacing, a, crowding)
-    power = (s[0] - 1) * d[0] + s[1] * (d[1] + d[2]) + (s[2] - 1) * d[3]
-    power += z[0] * d[4] + (z[1] + z[3]) * d[5] + z[4] * d[6] + z[1] * d[7] + (z[2] + z[4]) * d[8] + z[5] * d[9]
-    force = mass * a
-    assert np.sum(force * u) == pytest.approx(-np.sum(cloud.volume * power), rel=1e-10)
-    np.testing.assert_allclose(force.sum(axis=1), 0.0, atol=1e-12)
-    assert np.sum(cloud.x[0] * force[1] - cloud.x[1] * force[0]) == pytest.approx(0.0, abs=1e-12)
+    """Also where the density varies; with ν = 0 and 2G = 1 the rates of Z_k are V/12 ε̇,k."""
+    model = jittered(gradient="quadratic", poisson_ratio=0.0)
+    work, power, z, rate, force = power_of_stresses(model, 6, np.random.default_rng(0))
+    twice = np.array([1.0, 2.0, 1.0, 1.0, 2.0, 1.0])[:, None]  # of the off-diagonal component
+    power += np.sum(twice * z * rate, axis=0) / (model._mass / 1000.0 / 12.0)
+    assert work == pytest.approx(-np.sum(model._mass / 1100.0 * power), rel=1e-6)
+    np.testing.assert_allclose(force.sum(axis=1), 0.0, atol=1e-10)
+    x = get(model, X, Y)
+    assert np.sum(x[0] * force[1] - x[1] * force[0]) == pytest.approx(0.0, abs=1e-10)
 
 
 @pytest.mark.parametrize(("ratio", "truth"), [(0.0, -5.98618e-5), (0.34, -5.3465e-5)])
@@ -81,7 +66,7 @@ def test_rollback_and_threads_give_the_same_bytes(monkeypatch):
     for threads in (1, 2):
         model = make_model(solid_scene(model="ctvf", gradient="quadratic", bodies=block), True, threads)
         *_, _ = run(model, 0.02, 4)
-        model._x += 0.01 * np.random.default_rng(1).uniform(-1.0, 1.0, model._x.shape)
+        put(model, X, get(model, X, Y) + 0.01 * np.random.default_rng(1).uniform(-1.0, 1.0, (2, len(model._slot))))
         saved = {name: array.copy() for name, array in model.state().items()}
         for _ in range(2):
             model.restore(saved)
