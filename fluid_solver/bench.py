@@ -1,6 +1,6 @@
 """How fast is the fluid? A benchmark on a developed dam break.
 
-fluid-solver bench [--particles N] [--model NAME] [--threads N]
+fluid-solver bench [--model NAME]... [--particles N]... [--threads N]...
 """
 
 from __future__ import annotations
@@ -14,10 +14,13 @@ from fluid_solver.fields import FLUID, U, V, X, Y
 from fluid_solver.models import make_model
 from shared.schema import Scene
 
+PARTICLE_MODELS = ("ctvf", "wcsph")
 COLUMN = 0.146  # m, width of the column; twice as high (Martin & Moyce's larger one, Koshizuka & Oka)
 STRETCHING = 8.0  # 1/s; the column's top falls at 2.3 m/s
 SHAKEN = 0.1  # of dx
 WARM = 10  # steps before the clock starts
+FEWEST = 20  # steps timed
+WORK = 12_000_000  # particle-steps timed, if that is more
 
 
 def dam_break(particles: int, model: str) -> Scene:
@@ -39,27 +42,33 @@ def dam_break(particles: int, model: str) -> Scene:
     )
 
 
-def run_benchmark(particles: int = 180_000, model: str = "ctvf", threads: int = 2, steps: int = 60) -> dict[str, float]:
-    """Particle-steps per second of whole steps; all particles (fluid, walls) counted, compiling left out.
+def run_benchmark(particles: int, model: str, threads: int) -> dict[str, float]:
+    """Times whole steps; all particles (fluid, walls) counted, compiling left out.
 
     The column is set flowing and disordered as in a dam break under way: u = k (x, −y), which keeps volume and
-    follows both walls, and places shaken by a tenth of dx. So cells are sorted as often as in a run.
+    follows both walls, and places shaken by a tenth of dx. So cells are sorted as often as in a run. Returns
+    `particles`, `fluid_particles`, `steps`, `wall_s`, `particle_steps_per_s`; `bytes_per_particle` of the arrays that
+    the step works on; `interval_s`, core seconds to advance a particle by dx/c0, the time sound needs to the next.
     """
     fluid = make_model(dam_break(particles, model), False, threads)
     S, water = fluid.store.S, fluid.store.kind == FLUID
     S[np.ix_([X, Y], water)] += np.random.default_rng(0).uniform(-SHAKEN, SHAKEN, (2, water.sum())) * fluid.c.dx
     S[U, water], S[V, water] = STRETCHING * S[X, water], -STRETCHING * S[Y, water]
     fluid.begin(None)
-    dt = fluid.stable_step()
+    dt, count = fluid.stable_step(), fluid.particles()
     fluid.advance(0.0, WARM * dt, WARM, None)
+    steps = max(FEWEST, WORK // count)
     begun = time.perf_counter()
     fluid.advance(WARM * dt, (WARM + steps) * dt, steps, None)
     wall = time.perf_counter() - begun
     fluid.check()
+    per_step = wall / (steps * count)
     return {
-        "particles": float(fluid.particles()),
+        "particles": float(count),
         "fluid_particles": float(fluid.fluid_count),
         "steps": float(steps),
         "wall_s": wall,
-        "particle_steps_per_s": steps * fluid.particles() / wall,
+        "particle_steps_per_s": 1.0 / per_step,
+        "bytes_per_particle": fluid.store.nbytes() / count,
+        "interval_s": per_step * threads * fluid.c.dx / (fluid.c.c0 * dt),
     }

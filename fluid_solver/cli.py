@@ -6,31 +6,45 @@ from enum import StrEnum
 from typing import Annotated
 
 import typer
+from rich.console import Console
+from rich.table import Table
 
-from fluid_solver.bench import run_benchmark
-from fluid_solver.models import MODELS, make_model
-from shared.commands import default_threads, run_app
+from fluid_solver.bench import PARTICLE_MODELS, run_benchmark
+from fluid_solver.models import make_model
+from shared.commands import run_app
+from shared.machine import copy_rate, multiply_add_rate
 from shared.solver_cli import solver_app
 
 app = solver_app("fluid", make_model)
-ModelName = StrEnum("ModelName", {name: name for name in MODELS})
-DEFAULT_MODEL = ModelName("ctvf")
+ModelName = StrEnum("ModelName", {name: name for name in PARTICLE_MODELS})
 
 
 @app.command("bench")
 def bench(
-    model: Annotated[ModelName, typer.Option(help="Fluid model.")] = DEFAULT_MODEL,
-    particles: Annotated[int, typer.Option(help="Fluid particles.", min=1000)] = 180_000,
-    threads: Annotated[int, typer.Option(help="Threads.", min=1)] = default_threads(),
-    steps: Annotated[int, typer.Option(help="Steps timed.", min=1)] = 60,
+    model: Annotated[list[ModelName], typer.Option(help="Fluid model.")] = list(ModelName),  # noqa: B006
+    particles: Annotated[list[int], typer.Option(help="Fluid particles.", min=1000)] = [10_000, 180_000, 1_000_000],  # noqa: B006
+    threads: Annotated[list[int], typer.Option(help="Threads.", min=1)] = [1, 2],  # noqa: B006
 ) -> None:
-    """Time whole steps of a dam break: particle-steps per second, walls counted."""
-    found = run_benchmark(particles, model.value, threads, steps)
-    speed = found["particle_steps_per_s"] / 1e6
-    print(
-        f"{model.value}, {found['fluid_particles']:.0f} fluid particles ({found['particles']:.0f} with walls), "
-        f"{threads} thread(s): {steps} steps in {found['wall_s']:.2f} s, {speed:.2f} million particle-steps per second"
-    )
+    """Time whole steps of a dam break under way, walls counted; options may be given more than once."""
+    table = Table("model", "fluid", "all", "threads", "million/s", "µs per dx/c0", "bytes", box=None)
+    for name in model:
+        for count in particles:
+            for cores in threads:
+                found = run_benchmark(count, name.value, cores)
+                table.add_row(
+                    name.value,
+                    f"{found['fluid_particles']:.0f}",
+                    f"{found['particles']:.0f}",
+                    f"{cores}",
+                    f"{found['particle_steps_per_s'] / 1e6:.2f}",
+                    f"{found['interval_s'] * 1e6:.3f}",
+                    f"{found['bytes_per_particle']:.0f}",
+                )
+    Console().print(table)
+    print("million/s: particle-steps per second. µs per dx/c0: core time to advance a particle while")
+    print("sound passes it. bytes: arrays of a step, per particle.")
+    peak, copied = multiply_add_rate() / 1e9, copy_rate() / 1e9
+    print(f"This machine, one core: {peak:.0f} GFLOP/s multiply-add, {copied:.0f} GB/s copy.")
 
 
 def main() -> None:

@@ -122,6 +122,11 @@ class Store:
         """What a sweep needs of the sort: start, grid, edges, buffers, columns."""
         return self.start, self.grid, self.edges, self.buffers, self._columns
 
+    def nbytes(self) -> int:
+        """Bytes of the arrays that a step works on."""
+        arrays = [value for value in vars(self).values() if isinstance(value, np.ndarray) and value is not self.start]
+        return sum(array.nbytes for array in [*arrays, *self._spare])
+
     def in_order_of_ids(self, rows, first: int, last: int) -> np.ndarray:
         """Rows of the state, (len(rows), last − first), of the particles with ids in [first, last), by id."""
         chosen = (self.ids >= first) & (self.ids < last)
