@@ -40,8 +40,11 @@ POWER_ITERATIONS = 100
 TRIAL_STRAIN = 1.0e-7
 """Size of the displacement gradients by which the power iteration probes the linear stiffness."""
 
-PARALLEL_FROM = 20000
-"""Particles from which a second thread pays, also beside a busy fluid: a step is then longer than a time slice lost."""
+PARALLEL_FROM = 3000
+"""Particles from which a second thread pays where no fluid is beside."""
+
+PARALLEL_FROM_COUPLED = 20000
+"""Particles from which it pays beside a busy fluid: a step is then longer than a time slice lost."""
 
 
 _STILL = np.array([[1.0, 0.0], [1.0, 0.0]])  # kicks that move nothing, for forces alone
@@ -53,12 +56,12 @@ class TotalLagrangian:
     role = "structure"
 
     def __init__(self, scene: Scene, coupled: bool, threads: int):
-        self._scene, self._coupled = scene, coupled
+        self._scene = scene
         self._bodies = lattice_bodies(scene)
         layout = lay_out([(b.index, b.fit, b.scale) for b in self._bodies])
         self._layout, self._slot = layout, layout.slot
         self._count = len(layout.slot)
-        self._threads = threads if self._count >= PARALLEL_FROM else 1
+        self._threads = threads if self._count >= (PARALLEL_FROM_COUPLED if coupled else PARALLEL_FROM) else 1
         self._position = np.concatenate([b.position for b in self._bodies])
         self._mass = scene.solid.density * np.concatenate([np.full(len(b.position), b.cell) for b in self._bodies])
         self._axes = np.array([b.axes for b in self._bodies])

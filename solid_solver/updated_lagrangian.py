@@ -36,7 +36,7 @@ from solid_solver.updated_steps import (
 COURANT = (0.7, 0.7, 0.45)
 """Default step over dx/c_p by the gradient's order."""
 
-PARALLEL_FROM = 4000
+PARALLEL_FROM = 3000
 """Particles from which a second thread pays, also beside a busy fluid."""
 
 FRACTURE_GAP = 2.0
