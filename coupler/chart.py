@@ -29,8 +29,8 @@ _LEAST_ERROR = 1e-6  # smaller ones are drawn here; no truth is known better
 
 @dataclass(frozen=True)
 class Point:
-    """A variant as it came out. `error` and `cost` [core-s] are None where it failed; `bound`, `expected`: what
-    pre-flight had said of them."""
+    """A variant as it came out. `error` and `cost` [core-s] are None where it failed, `error` also of the run that is
+    the truth; `bound`, `expected`: what pre-flight had said."""
 
     variant: Variant
     status: str
@@ -77,10 +77,10 @@ def make_chart(case: str, sets: Sequence[str], folder: Path, jobs: int, say: Cal
     name, truth, finest = find_truth(scene, variants, values)
     slower = calibrate()
     points = [
-        _point(variant, result, value, truth, slower)
+        _point(variant, result, value, None if variant is finest else truth, slower)
         for variant, result, value in zip(variants, results, values, strict=True)
     ]
-    judged = [p for p in points if p.error is not None and p.variant is not finest]
+    judged = [p for p in points if p.error is not None]
     front = pareto(judged)
     wanted = [p for p in judged if p.error <= scene.goal.error]
     return Chart(
@@ -129,7 +129,7 @@ def stepping_core_s(result: dict[str, Any]) -> float | None:
     return sum(own) if own and all(value is not None for value in own) else None
 
 
-def _point(variant: Variant, result: dict[str, Any], value: float | None, truth: float, slower: float) -> Point:
+def _point(variant: Variant, result: dict[str, Any], value: float | None, truth: float | None, slower: float) -> Point:
     numbers = scene_numbers(variant.scene)
     bound = error_bound(variant.scene, numbers)
     cost = stepping_core_s(result)
@@ -137,7 +137,7 @@ def _point(variant: Variant, result: dict[str, Any], value: float | None, truth:
         variant=variant,
         status=result["status"],
         value=value,
-        error=None if value is None or cost is None else abs(relative_error(value, truth)),
+        error=None if None in (value, cost, truth) else abs(relative_error(value, truth)),
         cost=cost,
         core_s=result.get("cost", {}).get("core_s"),
         bound=bound if bound is not None and math.isfinite(bound) else None,
