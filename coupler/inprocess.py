@@ -13,7 +13,7 @@ from pathlib import Path
 from coupler.remote import Remote
 from coupler.supervisor import PACKAGES
 from shared.link import InProcessLink
-from shared.participant import Participant
+from shared.participant import Participant, own_faces
 from shared.schema import Scene
 from shared.service import Service
 from shared.sides import own_probes
@@ -27,7 +27,7 @@ def inprocess_sides(scene: Scene, threads: dict[str, int], run: str, run_dir: Pa
         for name, package in PACKAGES.items():
             make_model = importlib.import_module(f"{package}.models").make_model
             model = make_model(own_probes(scene, name), True, threads[name])
-            participant = Participant(model, name, run_dir / f"{name}.vtkhdf")
+            participant = Participant(model, name, run_dir / f"{name}.vtkhdf", own_faces(scene, model))
             stack.callback(participant.close)
             remotes[name] = Remote(InProcessLink(Service(participant, run).handle), run, name)
         yield remotes

@@ -20,7 +20,7 @@ from coupler.schemes import Coupled, probes
 from coupler.supervisor import PACKAGES, solver_processes
 from coupler.window import Plan, alpha_rate, make_plan, mass_ratio
 from shared.clock import Clock
-from shared.contract import BadInput
+from shared.contract import BadInput, Description
 from shared.record import Record
 from shared.results import new_run_directory
 from shared.schema import Scene
@@ -75,6 +75,7 @@ def couple(scene: Scene, fluid: Remote, structure: Remote, record: Record) -> No
     """Describe, map, plan, start, march, finish."""
     described_fluid, described_structure = fluid.describe(), structure.describe()
     mapping = build_mapping(described_structure, described_fluid)
+    check_pressures(scene, described_structure, described_fluid)
     r = mass_ratio(scene, described_structure)
     plan = make_plan(scene.coupling, described_fluid, described_structure, r)
     clock = Clock.fitting(scene.end_time, plan.window)
@@ -108,6 +109,17 @@ def couple(scene: Scene, fluid: Remote, structure: Remote, record: Record) -> No
             "overhead_fraction": (marched - working) / marched,
         },
     }
+
+
+def check_pressures(scene: Scene, structure: Description, fluid: Description) -> None:
+    """Pressures are integrated over faces that feel their own side's water alone."""
+    reach, thickness = fluid.numbers["support"], structure.numbers["thickness"]
+    if scene.coupling.loads == "pressure" and thickness < reach:
+        raise BadInput(
+            f'coupling.loads = "pressure": the structure is {thickness:.3g} m thick, the kernel of the fluid reaches '
+            f"{reach:.3g} m, so that its dry side would feel the water on the other. Use loads = force, or fluid.dx at "
+            f"most {scene.fluid.dx * thickness / reach:.3g} m."
+        )
 
 
 def start(scene: Scene, clock: Clock, mapping: Mapping, fluid: Remote, structure: Remote, record: Record) -> Coupled:

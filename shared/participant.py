@@ -25,19 +25,27 @@ from shared.contract import (
     OutOfOrder,
     exchange_fields,
 )
+from shared.face_loads import FaceLoads
 from shared.results import peak_mib
+from shared.schema import Scene
 from shared.vtkhdf import FrameWriter
 
 log = logging.getLogger("shearwater")
 
+_PLACES = "interface places"  # in a checkpoint: own points at the next window's start
 _OUTGROWN = 1.25  # a sub-step this much longer than the stable step at the window's end is noted in the log
 
 
 class Participant:
-    """One side of a run. `output`: path of its VTKHDF file, or None for no frames."""
+    """One side of a run. `output`: path of its VTKHDF file, or None for no frames.
 
-    def __init__(self, model: Model, name: str, output: Path | None = None):
+    `faces`: a structure that takes pressures instead of forces integrates them over these.
+    """
+
+    def __init__(self, model: Model, name: str, output: Path | None = None, faces: FaceLoads | None = None):
         self.model = model
+        self._faces = faces
+        self._places: tuple[np.ndarray, np.ndarray] | None = None  # own points at the window's start, and at its end
         self.name = name
         self._output = output
         self._writer: FrameWriter | None = None
@@ -85,6 +93,8 @@ class Participant:
             self._writer.append(0.0, self.model.frame())
         self._stage = "ready"
         self._core_at_start = time.process_time()
+        if self._faces is not None:
+            self._places = own.position.copy(), own.position.copy()
         return self._selected(own), self.model.probe_values()
 
     def advance(self, window: Window, boundary: Exchange | None, final: bool = False) -> Exchange:
@@ -104,6 +114,8 @@ class Participant:
         self._note_outgrown(window)
         self._busy += time.perf_counter() - begun
         self._stage = "advanced"
+        if self._places is not None:
+            self._places = self._places[0], own.position.copy()
         return self._selected(own)
 
     def rollback(self) -> None:
@@ -118,6 +130,8 @@ class Participant:
         """Make the window final: writes the frame due; returns the probes when a row is due."""
         self._need(self._stage == "advanced", "accept", "there is no advanced window to accept")
         index = self._next
+        if self._places is not None:
+            self._places = self._places[1], self._places[1]
         self._next, self._saved, self._stage = index + 1, None, "ready"
         if self._writer is not None and self._clock.crosses(index, self._frames):
             self._writer.append(self._clock.time(index + 1), self.model.frame())
@@ -130,12 +144,16 @@ class Participant:
             file.attrs["window"] = self._next
             for name, array in self.model.state().items():
                 file[name] = array
+            if self._places is not None:
+                file[_PLACES] = self._places[0]
 
     def load(self, path: str | Path) -> None:
         """Take the state, and the number of the next window, from the HDF5 file `path`."""
         self._need(self._stage == "ready", "load", self._why_not_ready())
         with h5py.File(path) as file:
-            self.model.restore({name: file[name][()] for name in file})
+            self.model.restore({name: file[name][()] for name in file if name != _PLACES})
+            if self._places is not None:
+                self._places = (file[_PLACES][()],) * 2
             self._next = int(file.attrs["window"])
         self._saved = None
 
@@ -212,12 +230,21 @@ class Participant:
 
     def _spread(self, boundary: Exchange | None) -> Exchange | None:
         """The partner's data on all own points: no load where nothing travels (a fluid's ghosts all travel)."""
-        if not isinstance(boundary, Loads) or self._whole:
+        if not isinstance(boundary, Loads) or (self._whole and self._faces is None):
             return boundary
         full = Loads.zero(self._points)
         full.pressure[self._selection] = boundary.pressure
         full.force[self._selection] = boundary.force
+        if self._faces is not None:
+            return Loads(full.pressure, self._faces.force(full.pressure, self._places[0]))
         return full
+
+
+def own_faces(scene: Scene, model: Model) -> FaceLoads | None:
+    """What a structure of `scene` integrates pressures over, if the scene says so."""
+    if model.role == "structure" and scene.coupling.loads == "pressure":
+        return FaceLoads(scene, model.describe())
+    return None
 
 
 def kinematics_shapes(count: int) -> dict[str, tuple[int, ...]]:

@@ -11,7 +11,7 @@ import typer
 
 from shared.commands import Case, Out, Quiet, Sets, case_name, conclude, default_threads, new_app, warn
 from shared.link_zenoh import end_with, serve
-from shared.participant import Participant
+from shared.participant import Participant, own_faces
 from shared.scene import load_scene
 from shared.service import Service
 from shared.sides import own_probes
@@ -55,7 +55,8 @@ def solver_app(side: str, factory: Factory) -> typer.Typer:
         end_with(parent)
         logging.basicConfig(stream=sys.stderr, level=logging.INFO, format="%(asctime)s %(levelname)s %(message)s")
         scene = own_probes(load_scene(case), side)
-        participant = Participant(factory(scene, True, threads), side, out)
+        model = factory(scene, True, threads)
+        participant = Participant(model, side, out, own_faces(scene, model))
         try:
             service = Service(participant, run)
             serve(

@@ -17,8 +17,9 @@ from coupler.window import Plan, make_plan, mass_ratio
 from fluid_solver.models import make_model as make_fluid
 from shared.clock import Clock
 from shared.contract import Model
+from shared.face_loads import FaceLoads
 from shared.link import InProcessLink
-from shared.participant import Participant
+from shared.participant import Participant, own_faces
 from shared.scene import load_scene
 from shared.schema import Coupling, Scene
 from shared.service import Service
@@ -36,15 +37,19 @@ class History:
     plan: Plan | None = None
 
 
-def join(fluid: Model, structure: Model, clock: Clock, order: int, rollback: bool = True) -> Coupled:
-    """Both models at t = 0, over the in-process link."""
+def join(fluid: Model, structure: Model, clock: Clock, order: int, faces: FaceLoads | None = None) -> Coupled:
+    """Both models at t = 0, over the in-process link; `faces`: what the structure integrates pressures over."""
     remotes = [
-        Remote(InProcessLink(Service(Participant(model, name), "test").handle), "test", name)
+        Remote(
+            InProcessLink(Service(Participant(model, name, faces=faces if name == "solid" else None), "test").handle),
+            "test",
+            name,
+        )
         for name, model in (("fluid", fluid), ("solid", structure))
     ]
     ghosts, points = remotes[0].describe(), remotes[1].describe()
     mapping = build_mapping(points, ghosts)
-    options = {"rollback": rollback, "frames": 1, "probe_rows": 1}
+    options = {"rollback": True, "frames": 1, "probe_rows": 1}
     motion, _ = remotes[1].start(clock, mapping.selection, **options)
     wall = mapping.motion(motion)
     loads, _ = remotes[0].start(clock, range(len(ghosts.position)), wall, **options)
@@ -70,7 +75,7 @@ def couple(scene: Scene, windows: int | None = None, along=(1.0, 0.0), ledger: L
     points = structure.describe()
     plan = make_plan(scene.coupling, fluid.describe(), points, mass_ratio(scene, points))
     clock = Clock.fitting(scene.end_time, plan.window)
-    c = join(fluid, structure, clock, scene.coupling.predictor)
+    c = join(fluid, structure, clock, scene.coupling.predictor, own_faces(scene, structure))
     history = march(c, make_taker(plan, scene.coupling), clock, windows or clock.count, along, ledger)
     history.plan = plan
     return history
