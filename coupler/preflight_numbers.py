@@ -13,8 +13,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from coupler.preflight_plate import Plate, measure_plate
+from coupler.preflight_shapes import outline, own_box
 from coupler.preflight_water import Water, measure_water
-from shared.geometry import outline, own_box
 from shared.regions import axes_of
 from shared.schema import Scene
 

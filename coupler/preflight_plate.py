@@ -7,8 +7,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from coupler.preflight_shapes import own_box
 from coupler.preflight_water import UPWARD, Water, area, edge_samples
-from shared.geometry import contains, own_box
+from shared.geometry import contains
 from shared.regions import axes_of
 from shared.schema import RIGID_MODELS, Body, Scene
 

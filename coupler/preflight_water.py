@@ -7,7 +7,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from shared.geometry import contains, distance_to, outline
+from coupler.preflight_shapes import outline
+from shared.geometry import contains, distance_to
 from shared.kernels import kernel_named
 from shared.motion_table import MotionTable
 from shared.schema import Body, FluidBody, Scene, Wall

@@ -1,0 +1,43 @@
+"""Outlines and boxes of a scene's shapes, worked out once: pre-flight looks at the same shapes a hundred times."""
+
+from __future__ import annotations
+
+from functools import lru_cache
+
+import numpy as np
+
+from shared import geometry
+from shared.schema import Shape
+
+
+class _Same:
+    """A shape known by identity: shapes never change, and variants of a scene share them."""
+
+    def __init__(self, shape: Shape):
+        self.shape = shape
+
+    def __hash__(self) -> int:
+        return id(self.shape)
+
+    def __eq__(self, other: object) -> bool:
+        return isinstance(other, _Same) and other.shape is self.shape
+
+
+@lru_cache(maxsize=512)
+def _outline(same: _Same) -> np.ndarray:
+    return geometry.outline(same.shape)
+
+
+@lru_cache(maxsize=512)
+def _box(same: _Same) -> tuple[np.ndarray, np.ndarray]:
+    return geometry.own_box(same.shape)
+
+
+def outline(shape: Shape) -> np.ndarray:
+    """As geometry.outline; not to be written into."""
+    return _outline(_Same(shape))
+
+
+def own_box(shape: Shape) -> tuple[np.ndarray, np.ndarray]:
+    """As geometry.own_box; not to be written into."""
+    return _box(_Same(shape))
