@@ -394,7 +394,7 @@ class Solid(Table):
     )
     shifting: bool = key(
         True,
-        about="particle shifting of model ctvf, evens out spacing; fracture under gradient printed it does not stop",
+        about="particle shifting of model ctvf, evens out spacing: keeps a strip pulled under gradient printed whole",
     )
     courant: Annotated[float, Field(gt=0.0, le=1.0)] | Literal["auto"] = key(
         "auto",

@@ -16,13 +16,13 @@ from shared.contract import Description, Exchange, Frame, Kinematics, Loads, Sol
 from shared.schema import Scene
 from solid_solver.bodies import nearest_gap
 from solid_solver.carried import Carried
-from solid_solver.energies import WorkBook, stress_energy, trapezoid
+from solid_solver.energies import WorkBook, trapezoid
 from solid_solver.interface import damped_kick, describe, kinematics_over_window, lame, wave_speed
 from solid_solver.loads import scheduled_loads
 from solid_solver.probes import Observed, kinetic_energy, solid_probes, wants_work
 from solid_solver.shifting import shift
-from solid_solver.stresses import stress_fields
-from solid_solver.updated_fields import ACTS, AX, E0, E1, G00, G11, IRHO, OWN, RHO, SXX, SZZ, M, U, V, X, Y
+from solid_solver.updated_fields import AX, RHO, M, U, V, X, Y
+from solid_solver.updated_observe import failure, strain_energy, stresses, tracers
 from solid_solver.updated_start import start
 from solid_solver.updated_steps import (
     CROWDED,
@@ -38,12 +38,6 @@ COURANT = (0.7, 0.7, 0.45)
 
 PARALLEL_FROM = 3000
 """Particles from which a second thread pays, also beside a busy fluid."""
-
-FRACTURE_GAP = 2.0
-"""Distance to the nearest particle, over the spacing, past which the body has come apart."""
-
-DENSITY_RANGE = 3.0
-"""Factor on the reference density, up and down, past which the state is absurd."""
 
 
 class UpdatedLagrangian:
@@ -119,19 +113,10 @@ class UpdatedLagrangian:
         self._list_pairs(self._listed)
 
     def check(self) -> None:
-        reference, free = self._scene.solid.density, self._slot
-        density, gap = self._S[RHO, free], np.sqrt(self._gauge[NEAREST2, free])
-        finite = np.isfinite(density + self._S[SXX : SZZ + 1, free].sum(axis=0))
-        if not finite.all():
-            what, particle = "the state is not finite", int(np.argmin(finite))
-        elif density.min() < reference / DENSITY_RANGE or density.max() > reference * DENSITY_RANGE:
-            particle = int(np.argmax(np.abs(np.log(density / reference))))
-            what = f"the density is {density[particle]:.3g} kg/m³"
-        elif gap.max() > FRACTURE_GAP:
-            particle = int(np.argmax(gap))
-            what = f"the nearest particle is {gap[particle]:.2g} spacings away (fracture)"
-        else:
+        found = failure(self._S, self._slot, self._gauge, self._scene.solid.density)
+        if found is None:
             return
+        what, particle = found
         place = self._reference[particle]
         raise SolverFailed(
             f"The solid failed at t = {self._time:.6g} s: {what} at the particle with reference position "
@@ -148,7 +133,7 @@ class UpdatedLagrangian:
             speed=self._rows(U),
             strain_energy=self._strain_energy,
             clamp_force=self._clamp_force,
-            stress=self._stress_fields,
+            stress=lambda: stresses(self._S, self._slot, self._moduli()),
             gap=lambda k: nearest_gap(self._rows(X)[self._bodies[k].own], self._bodies[k].spacing),
             work=self._books.done,
             start=self._energy_at_start,
@@ -158,7 +143,7 @@ class UpdatedLagrangian:
     def frame(self) -> Frame:
         position, velocity = self._tracers()
         fields = {"displacement": position - self._reference, "velocity": velocity, "density": self._S[RHO, self._slot]}
-        return Frame(self._rows(X), fields | self._stress_fields())
+        return Frame(self._rows(X), fields | stresses(self._S, self._slot, self._moduli()))
 
     def particles(self) -> int:
         return len(self._slot) + len(self._s.storage.held)
@@ -183,9 +168,7 @@ class UpdatedLagrangian:
 
     def _tracers(self) -> tuple[np.ndarray, np.ndarray]:
         """Position and velocity (n, 2) of the material tracers."""
-        e, g = self._S[E0 : E1 + 1, self._slot], self._S[G00 : G11 + 1, self._slot]
-        across = np.stack([g[0] * e[0] + g[1] * e[1], g[2] * e[0] + g[3] * e[1]])
-        return self._rows(X) + e.T, self._rows(U) + across.T
+        return tracers(self._S, self._slot)
 
     def _advance_under(self, times: np.ndarray, dt: float, force: np.ndarray | None) -> np.ndarray:
         """Steps of `dt` [s] between `times` under a constant `force` (n, 2) [m/s²] beside the scene's loads.
@@ -269,23 +252,10 @@ class UpdatedLagrangian:
         return kinetic_energy(self._mass[own], self._rows(U)[own])
 
     def _strain_energy(self, k: int) -> float:
-        """Energy [J/m] of a body's stresses, those at its fixed particles included where they act."""
-        shear, c_squared, density, bending = self._moduli()
-        base, size = self._s.storage.extents[k]
-        S = self._S[:, base : base + size]
-        moduli = shear, c_squared * density, bending
-        curvature = S[OWN : OWN + self._s.curvature]
-        energy = stress_energy(S[SXX : SZZ + 1], c_squared * (S[RHO] - density), curvature, S[M] * S[IRHO], moduli)
-        return float(energy @ S[ACTS])
+        return strain_energy(self._S, self._s.storage.extents[k], self._moduli(), self._s.curvature)
 
     def _clamp_force(self, k: int) -> np.ndarray:
         """Force (2,) [N/m] of the clamps on a body: forces between particles are equal and opposite."""
         own = self._bodies[k].own
         direct = self._loads.on_clamps(self._time, self._tracers()[0] - self._reference)
         return self._rows(AX)[own].T @ self._mass[own] - direct[k]
-
-    def _stress_fields(self) -> dict[str, np.ndarray]:
-        _, c_squared, density, _ = self._moduli()
-        pressure = c_squared * (self._S[RHO, self._slot] - density)
-        xx, xy, yy, zz = self._S[SXX : SZZ + 1, self._slot]
-        return stress_fields(xx - pressure, yy - pressure, zz - pressure, xy.copy())

@@ -76,7 +76,7 @@ def _static() -> list[Row]:
         ("linear", 10, None),
         ("printed", 10, None),
     ):
-        sets = (_model("ctvf"), f"solid.gradient={gradient}", f"solid.dx={0.012 / across:.6g}")
+        sets = (*STATIC, _model("ctvf"), f"solid.gradient={gradient}", f"solid.dx={0.012 / across:.6g}")
         name = f"A static, ctvf {gradient}, {across} across"
         rows.append(Row(name, "udl_beam", sets, "mid_y", "mean", BEAM_2D[0.0], allowed))
     sets = (*STATIC, _model("beam"), "solid.dx=1e-3")

@@ -8,6 +8,7 @@ from scipy.spatial import cKDTree
 
 from shared.contract import SolverFailed
 from shared.kernels import WENDLAND_C2
+from shared.scene import load_scene
 from solid_solver import updated_lagrangian
 from solid_solver.models import make_model
 from solid_solver.shifting import field_changes, shifts
@@ -277,3 +278,11 @@ def test_fracture_is_reported():
     model._list_pairs(model._S[X : Y + 1])
     with pytest.raises(SolverFailed, match="fracture"):
         model.check()
+
+
+@pytest.mark.slow
+def test_the_method_as_printed_breaks_a_pulled_strip_without_shifting():
+    scene = load_scene("stretched_strip", ["solid.model=ctvf", "solid.gradient=printed", "solid.shifting=false"])
+    model = make_model(scene, False, 1)
+    with pytest.raises(SolverFailed, match="fracture"):
+        *_, _ = run(model, 0.1, 400)
