@@ -85,7 +85,7 @@ def _placed(rung: Rung, best: Rung) -> Rung:
     if rung is best:
         return _replace(rung, standing="smallest", reason=f"bound {_percent(rung.error)} at the least cost")
     more = (rung.cost.core_s - rung.cost.start_s) / max(best.cost.core_s - best.cost.start_s, 1e-9)
-    return _replace(rung, reason=f"not needed: {more:.2g} times the stepping of {best.name}")
+    return _replace(rung, reason=f"not needed: {more:.3g} times the stepping of {best.name}")
 
 
 def _replace(rung: Rung, **changes) -> Rung:

@@ -9,6 +9,7 @@ from rich.markup import escape
 from rich.table import Table
 
 from coupler.preflight import Preflight
+from coupler.preflight_ladder import Rung
 from coupler.preflight_numbers import Numbers, scene_numbers
 from coupler.preflight_window import expected_plan, expected_window
 from shared.schema import Scene
@@ -24,7 +25,7 @@ def print_preflight(report: Preflight, scene: Scene, console: Console) -> None:
         table.add_row(f.rule, f"{f.value:.3g}", _coloured(f.verdict), escape(text))
     console.print(table)
     if scene.goal is None:
-        console.print("No [goal], so no model can be called enough.")
+        console.print(escape("No [goal], so no model can be called enough."))
     else:
         _print_ladder(report, scene, console)
     for line in verdict_lines(report, scene):
@@ -34,18 +35,22 @@ def print_preflight(report: Preflight, scene: Scene, console: Console) -> None:
 def _print_ladder(report: Preflight, scene: Scene, console: Console) -> None:
     goal = scene.goal
     wanted = f"{goal.statistic} of {goal.probe} within {100 * goal.error:g} %"
-    table = Table("models", "settings", "error bound", "core-s", "standing", "reason", title=f"the ladder: {wanted}")
-    for rung in report.ladder:
-        if rung.standing == "cannot":
-            continue
+    table = Table("models", "error bound", "core-s", "standing", title=f"the ladder: {wanted}")
+    shown = [rung for rung in report.ladder if rung.standing != "cannot"]
+    for rung in shown:
         error = f"{100 * rung.error:.2g} %" if math.isfinite(rung.error) else "–"
         cost = f"{report.slower * rung.cost.core_s:.3g}" if rung.cost else "–"
-        spacings = "\n".join(s for s in rung.sets if ".model" not in s)
-        table.add_row(rung.name, escape(spacings), error, cost, _coloured(rung.standing), escape(rung.reason))
+        table.add_row(rung.name, error, cost, _coloured(rung.standing))
     console.print(table)
-    for reason in dict.fromkeys(rung.reason for rung in report.ladder if rung.standing == "cannot"):
-        names = ", ".join(rung.name for rung in report.ladder if rung.reason == reason)
-        console.print(f"[dim]Left out: {escape(names)}: {escape(reason)}[/dim]")
+    _print_reasons(shown, "", console)
+    _print_reasons([rung for rung in report.ladder if rung.standing == "cannot"], "left out: ", console)
+
+
+def _print_reasons(rungs: list[Rung], before: str, console: Console) -> None:
+    """Why, once for all pairs of models that share a reason."""
+    for reason in dict.fromkeys(rung.reason for rung in rungs):
+        names = ", ".join(rung.name for rung in rungs if rung.reason == reason)
+        console.print(f"[dim]{escape(before + names)}: {escape(reason)}[/dim]")
 
 
 def verdict_lines(report: Preflight, scene: Scene) -> list[str]:
