@@ -2,13 +2,17 @@
 
 from __future__ import annotations
 
+import logging
+
 import numpy as np
 
-from fluid_solver.fields import FLUID, RHO, P, U, V, X, Y
+from fluid_solver.fields import FLUID, PARKED, RHO, P, U, V, X, Y
 from shared.contract import SolverFailed
 from shared.geometry import outline
 from shared.jit import njit
 from shared.schema import Scene
+
+log = logging.getLogger("shearwater")
 
 LARGEST_COMPRESSION = 0.2  # |ρ/ρ0 − 1| beyond which a particle is not weakly compressible any more
 FRACTION = 2e-3  # of the fluid that may be so: single particles are in splashes, of no weight for the rest
@@ -41,6 +45,17 @@ def far_off(S, kind, count, rho0, compression):
             if off > most:
                 worst, most = i, off
     return found, worst
+
+
+def report_lost(store, reported: int) -> int:
+    """Say so when more fluid has left the domain than `reported`; returns how much has."""
+    if store.parked > reported:
+        gone = np.flatnonzero(store.kind == PARKED)
+        x, y = store.S[X, gone[-1]], store.S[Y, gone[-1]]
+        log.warning(
+            "%d fluid particles have left the domain and are taken out, one near (%.4g, %.4g) m", store.parked, x, y
+        )
+    return store.parked
 
 
 def check(store, c) -> None:

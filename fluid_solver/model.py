@@ -19,11 +19,12 @@ from fluid_solver.initial import fluid_particles, lay_ghosts, sound_speed
 from fluid_solver.integrate import advance_and_drift, keep_volume, kick, kick_and_drift, largest
 from fluid_solver.motion import POSE, WallMotion, place_ghosts, structure_pose
 from fluid_solver.observe import Observer
-from fluid_solver.parameters import Parameters, parameters, stable_courant
+from fluid_solver.parameters import Parameters, courant_of, parameters
 from fluid_solver.period import period_of, wrapped
 from fluid_solver.rates import make_rates
 from fluid_solver.sampling import FILLED, lowest_filling
 from fluid_solver.store import Store
+from fluid_solver.thin import refuse_thin
 from fluid_solver.walls import make_ghost_velocity, make_ghosts
 from shared.contract import Description, Frame, Kinematics, Loads
 from shared.kernels import kernel_named
@@ -44,7 +45,8 @@ class ParticleFluid:
         self.scene, self._coupled = scene, coupled
         kernel = kernel_named(fluid.kernel)
         self.c: Parameters = parameters(scene, kernel, sound_speed(scene))
-        self._courant = stable_courant(fluid) if fluid.courant == "auto" else fluid.courant
+        self._courant = courant_of(fluid)
+        refuse_thin(scene)
         self._transported = fluid.model == "ctvf"
         viscous = fluid.viscosity > 0.0
         self._rates = make_rates(kernel.code, self._transported)
@@ -65,6 +67,7 @@ class ParticleFluid:
         self._volume = 0.0  # m² that the walls leave the fluid; 0 where it has a free surface
         self._speed = 0.0  # largest |u| at the last half step
         self._steps = 0
+        self._lost = 0  # particles out of the domain that have been reported
         self._observer = Observer(scene, kernel, self.c, self.ghosts, self._first, water.body)
 
     def _set_up_motion(self) -> None:
@@ -234,6 +237,7 @@ class ParticleFluid:
     def check(self) -> None:
         """Raise SolverFailed if the state is not finite or the density far off."""
         diagnosis.check(self.store, self.c)
+        self._lost = diagnosis.report_lost(self.store, self._lost)
 
     def probe_values(self) -> dict[str, float]:
         """Present values of the scene's fluid probes."""

@@ -164,7 +164,7 @@ def compare(scene: Scene, table: ProbeTable) -> list[dict[str, Any]]:
 def reference_curve(reference: Reference) -> np.ndarray:
     """Time [s] and value, in the probe's unit, of a reference's curve: (2, n). Raises BadInput."""
     try:
-        return read_curve(reference.curve, reference.scale).T
+        return read_curve(reference.curve, reference.scale).T - np.array([[reference.delay], [0.0]])
     except (OSError, ValueError) as error:
         raise BadInput(
             f"The curve {reference.curve} of reference {reference.name!r} cannot be read: {error}."

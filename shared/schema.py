@@ -498,6 +498,9 @@ class Reference(Table):
         None, about="CSV of time [s] and value, path relative to the scene file or to the shipped cases"
     )
     scale: Pair = key((1.0, 1.0), about="factors that turn the curve's two columns into s and the probe's unit")
+    delay: float = key(
+        0.0, unit="s", about="how much later the run's clock started than the curve's: taken off the curve's times"
+    )
     statistic: Statistic = key(
         "max",
         about=(

@@ -15,6 +15,7 @@ CASES = (
     "cantilever_gravity",
     "dam_break",
     "dam_break_plate",
+    "dam_break_wall",
     "hydrostatic_plate",
     "lid_cavity",
     "light_gate",
