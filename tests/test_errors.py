@@ -193,7 +193,9 @@ def test_side_that_fails_alone(command, tmp_path, program, change, words):
 def test_side_that_fails_in_a_coupled_run(tmp_path, change, words):
     out = tmp_path / "out"
     scene = tiny_coupled(tmp_path, end_time=0.02)
-    code, errors = process("coupler", scene, "--out", out, "--threads", "fluid=1,solid=1", "--quiet", "--set", change)
+    code, errors = process(
+        "coupler", scene, "--out", out, "--threads", "fluid=1,solid=1", "--quiet", "--force", "--set", change
+    )
     assert code == 3
     assert words in errors
     result = json.loads((out / "result.json").read_text())
