@@ -258,7 +258,7 @@ def test_a_refused_scene_does_not_run(command, tmp_path):
 
 
 def test_a_run_keeps_what_was_predicted_and_what_came(command, tmp_path):
-    case = tiny_coupled(tmp_path, end_time=0.002)
+    case = tiny_coupled(tmp_path, end_time=0.02)
     code, *_ = command("run", case, "--out", "run", "--quiet", "--link", "inprocess", "--threads", "fluid=1,solid=1")
     kept = json.loads((tmp_path / "run" / "result.json").read_text())["preflight"]
     assert code == 0
