@@ -42,8 +42,8 @@ if "NUMBA_CACHE_DIR" not in os.environ:
     numba.config.CACHE_DIR = _cache_folder()
 # OpenMP first. Threads that wait spin for some microseconds, the pause between two loops of a small scene, and then
 # sleep: on a busy machine two that spin on are slower than one, up to 50 times, and an idle side of a coupled run would
-# take a core from the other. 3000 rounds against none: 4,000 solid particles on two threads run 1.8 times as fast, beside
-# two busy processes 0.8 times; 10,000 rounds 0.3 times there. Read when OpenMP is loaded, at the first loop.
+# take a core from the other. 3000 rounds against none: 4,000 solid particles on two threads run 1.8 times as fast, and
+# beside two busy processes 0.8 times; with 10,000 rounds 0.3 times. Read when OpenMP is loaded, at the first loop.
 os.environ.setdefault("OMP_WAIT_POLICY", "PASSIVE")
 os.environ.setdefault("GOMP_SPINCOUNT", "3000")
 numba.config.THREADING_LAYER_PRIORITY = ["omp", "tbb", "workqueue"]

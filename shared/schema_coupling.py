@@ -76,7 +76,9 @@ class Coupling(Table):
     tolerance_absolute: NonNegative = key(1e-9, unit="N/m", about="or the difference itself is below this")
     max_iterations: Annotated[int, Field(ge=1, le=1000)] = key(30, about="most iterations of a window")
     on_cap: Literal["fail", "accept"] = key(
-        "fail", about="a window not converged after max_iterations: fail: the run ends; accept: goes on, and is counted"
+        "fail",
+        about="a window not converged after max_iterations: fail: the run ends; accept, and always "
+        "under scheme auto: it goes on, and such windows are counted",
     )
     loads: Literal["force", "pressure"] = key(
         "force",
