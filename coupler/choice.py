@@ -32,8 +32,8 @@ log = logging.getLogger("shearwater")
 Taker = Callable[[Coupled, Window], Outcome]
 
 _LARGEST_RESPONSE = 0.4
-"""Measured |g| past which lagged exchange is left. On an absorbing column it bears 1, 0.58 and 0.35 by predictor order; flow
-and noise read up to 0.13 where water strikes a plate (dam_break_plate, hence no less)."""
+"""Measured |g| past which lagged exchange is left. On an absorbing column it bears 1, 0.58 and 0.35 by order of the
+prediction; flow and noise alone read up to 0.13 where water strikes a plate (dam_break_plate)."""
 _MEASURE_EVERY = 512  # windows; before, at the powers of two
 _QUIET = 1e-3  # change of the load over the load: below it there is no response to be measured
 _SWINGS = 6  # windows in a row in which the lagged load overshoots, each by more than the one before
