@@ -17,7 +17,7 @@ from coupler.preflight_rules import findings
 from coupler.run import run_coupled
 from fluid_solver.models import make_model as make_fluid
 from shared.contract import BadInput, ShearwaterError
-from shared.scene import load_scene, shipped_cases
+from shared.scene import load_scene
 from shared.solo import run_alone
 from solid_solver.models import make_model as make_solid
 
@@ -185,7 +185,6 @@ def test_one_particle_across_is_refused():
         load_scene("udl_beam", ["solid.dx=0.012"])
 
 
-@pytest.mark.skipif("light_gate" not in shipped_cases(), reason="no such case")
 @pytest.mark.slow
 def test_a_light_gate_on_a_box_is_named_before_and_within_an_explicit_run(tmp_path):
     mode = Mode("light gate", "light_gate", ("coupling.scheme=serial-explicit",), (), flagged="mass ratio")

@@ -141,7 +141,6 @@ def test_a_tighter_goal_needs_particles():
     assert choice.error <= 0.002
 
 
-@pytest.mark.skipif(not RESTING, reason="no model of water at rest")
 def test_a_static_goal_under_water_needs_no_moving_water():
     choice = smallest(ladder(load_scene("hydrostatic_plate")))
     assert choice.solid == "beam"
@@ -162,7 +161,6 @@ def test_a_dam_break_on_a_plate_needs_moving_water_and_no_shifting():
     assert choice.solid in ("beam", "total-lagrangian")
 
 
-@pytest.mark.skipif("light_gate" not in shipped_cases(), reason="no such case")
 def test_a_light_plate_that_closes_a_box_is_iterated():
     sets = ["coupling.scheme=auto", "coupling.window=auto"]
     choice = smallest(ladder(load_scene("light_gate", sets)))
