@@ -93,10 +93,7 @@ def serial_explicit(c: Coupled, window: Window, measure: Measure) -> Outcome:
     ghosts = c.mapping.motion(points)
     found = c.fluid.advance(window, ghosts, final=True)
     # 4. accept
-    mapped = c.mapping.loads(found)
-    outcome = Outcome(used, found, mapped, (c.points, points), (c.ghosts, ghosts), (measure.change(used, mapped),))
-    c.accept(mapped, points, ghosts)
-    return outcome
+    return once(c, measure, used, found, points, ghosts)
 
 
 def parallel_explicit(c: Coupled, window: Window, measure: Measure) -> Outcome:
@@ -109,6 +106,11 @@ def parallel_explicit(c: Coupled, window: Window, measure: Measure) -> Outcome:
     c.fluid.begin_advance(window, ghosts, final=True)
     points, found = c.structure.end_advance(), c.fluid.end_advance()
     # 3. accept
+    return once(c, measure, used, found, points, ghosts)
+
+
+def once(c: Coupled, measure: Measure, used: Loads, found: Loads, points: Kinematics, ghosts: Kinematics) -> Outcome:
+    """Accept a window that was taken once."""
     mapped = c.mapping.loads(found)
     outcome = Outcome(used, found, mapped, (c.points, points), (c.ghosts, ghosts), (measure.change(used, mapped),))
     c.accept(mapped, points, ghosts)

@@ -109,6 +109,7 @@ def _material(d, count, material, dt, corrected):
 
 @ordered_njit
 def linear_stress(chunk, blocks, S, code, h, material, dt, corrected):
+    """Sums, deformation rate and stress of one chunk of blocks, with the linear or printed gradient, after `dt` [s]."""
     own, pairs, d = np.empty(OWN_SIZE), np.empty(GROUP * PAIR_SIZE), np.empty(_WORK)
     for n in range(chunk * CHUNK, min(blocks.start.size, (chunk + 1) * CHUNK)):
         s, count = blocks.start[n], blocks.count[n]

@@ -72,6 +72,7 @@ def _material(d, count, material, h, dt):
 
 @ordered_njit
 def quadratic_stress(chunk, blocks, S, code, h, material, dt):
+    """Sums, deformation rate and stress of one chunk of blocks, with the quadratic gradient, after `dt` [s]."""
     own, pairs, d = np.empty(OWN_SIZE), np.empty(GROUP * PAIR_SIZE), np.empty(_WORK)
     for n in range(chunk * CHUNK, min(blocks.start.size, (chunk + 1) * CHUNK)):
         s, count = blocks.start[n], blocks.count[n]
