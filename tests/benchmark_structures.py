@@ -1,9 +1,10 @@
 """Slow benchmark: what the structures' models find against what is true, as a table.
 
-    python -m tests.benchmark_structures                   all rows, about half an hour on two cores
+    python -m tests.benchmark_structures                   all rows, about half an hour on one core
     python -m tests.benchmark_structures --only beam       the rows whose demand, case or settings contain "beam"
+    python -m tests.benchmark_structures --missing         the rows that the table lacks
 
-Each row is a shipped case with settings, so that `solid-solver run CASE --set …` repeats it. Rows found are kept in
+Most rows are a shipped case with settings, so that `solid-solver run CASE --set …` repeats them. Rows found are kept in
 cases/results/structures.csv and shown in structures.md beside it; a row run again replaces its older self.
 """
 
@@ -11,6 +12,7 @@ from __future__ import annotations
 
 import argparse
 import csv
+import itertools
 import math
 import tempfile
 from datetime import date
@@ -25,7 +27,8 @@ from shared.scene import load_scene
 from shared.solo import run_alone
 from shared.statistics import relative_error, statistic
 from solid_solver.models import make_model
-from tests.benchmark_structures_rows import STATIC_SPEEDS, Row, rows
+from tests.benchmark_structures_measures import Measure, measures
+from tests.benchmark_structures_rows import ACROSS, STATIC_SPEEDS, Row, rows
 
 RESULTS = Path(__file__).resolve().parent.parent / "cases" / "results"
 COLUMNS = (
@@ -36,7 +39,7 @@ COLUMNS = (
     "found",
     "error",
     "allowed",
-    "kept",
+    "verdict",
     "static",
     "particles",
     "rate",
@@ -59,73 +62,132 @@ def _static_run(row: Row, time: np.ndarray, values: np.ndarray, result: dict) ->
     return f"ζ {scene.solid.damping / (2.0 * omega):.2f}, {periods:.1f} periods, drift {100.0 * drift:.2g} %"
 
 
-def run_row(row: Row, done: dict, threads: int) -> dict[str, str]:
-    """The table's cells for one row; `done` keeps the runs that rows share."""
+def _verdict(kept: bool | None) -> str:
+    return "" if kept is None else ("ok" if kept else "missed")
+
+
+def _settings(row: Row) -> str:
+    return " ".join(f"--set {s!r}" if " " in s else f"--set {s}" for s in row.sets)
+
+
+def _run(row: Row, done: dict, threads: int) -> tuple:
+    """Result and probes of the row's run; `done` keeps the runs that rows share."""
     key = row.case, row.sets
     if key not in done:
         with tempfile.TemporaryDirectory() as folder:
             out = Path(folder) / "run"
             record = run_alone(load_scene(row.case, row.sets), row.case, "solid", make_model, out, threads, quiet=True)
             done[key] = record.result, read_probes(out / "probes.csv")
-    result, (time, probes) = done[key]
+    return done[key]
+
+
+def run_row(row: Row, done: dict, table: dict, threads: int) -> dict[str, str]:
+    """The table's cells for one run of a case; `table`: rows found before."""
+    cells = {"demand": row.demand, "case": row.case, "settings": _settings(row)}
+    try:
+        result, (time, probes) = _run(row, done, threads)
+    except ShearwaterError as error:
+        expected = bool(row.breaks) and row.breaks in str(error)
+        return cells | {"found": str(error).split(". ")[0][:120], "verdict": _verdict(expected)}
+    if row.breaks:
+        return cells | {"found": "it ran to its end", "verdict": _verdict(False)}
     between = row.between
-    static = _static_run(row, time, probes[row.probe], result) if row.statistic == "mean" else ""
     if between is None and row.statistic == "mean":
         between = (load_scene(row.case, row.sets).output.average_from, float(time[-1]))
+        cells["static"] = _static_run(row, time, probes[row.probe], result)
     found = statistic(row.statistic, time, probes[row.probe], between)
-    error = relative_error(found, row.truth)
+    if row.over:
+        found /= float(table[row.over]["found"])
+    truth = float(table[row.truth]["found"]) if isinstance(row.truth, str) else row.truth
+    error = relative_error(found, truth)
     cost = result["cost"]["solid"]
-    kept = "" if row.allowed is None else ("yes" if abs(error) <= row.allowed else "no")
-    cells = (
-        *(row.demand, row.case, " ".join(f"--set {s!r}" if " " in s else f"--set {s}" for s in row.sets)),
-        *(f"{row.truth:.6g}", f"{found:.6g}", f"{error:.3g}" if row.truth == 0.0 else f"{100.0 * error:+.2f} %"),
-        *("" if row.allowed is None else f"{row.allowed:g}", kept, static, str(cost["particles"])),
-        *(f"{cost['particle_steps_per_s'] / 1e6:.2f}", f"{result['cost']['wall_s']:.1f}"),
-    )
-    return dict(zip(COLUMNS, cells, strict=True))
+    return cells | {
+        "truth": f"{truth:.6g}",
+        "found": f"{found:.6g}",
+        "error": f"{error:.3g}" if truth == 0.0 else f"{100.0 * error:+.3f} %",
+        "allowed": "" if row.allowed is None else f"{row.allowed:g}",
+        "verdict": _verdict(None if row.allowed is None else abs(error) <= row.allowed),
+        "particles": str(cost["particles"]),
+        "rate": f"{cost['particle_steps_per_s'] / 1e6:.2f}",
+        "seconds": f"{result['cost']['wall_s']:.1f}",
+    }
+
+
+def run_measure(one: Measure) -> dict[str, str]:
+    """The table's cells for a figure that is no run of a case."""
+    found = one.find()
+    allowed = f"≥ {one.least:g}" if one.least is not None else "" if one.most is None else f"≤ {one.most:g}"
+    kept = (one.least is None or found >= one.least) and (one.most is None or found <= one.most)
+    cells = {"demand": one.demand, "settings": f"`{one.command}`", "found": f"{found:.4g} {one.unit}"}
+    return cells | {"allowed": allowed, "verdict": _verdict(kept if allowed else None)}
+
+
+def falls(table: dict, letter: str) -> dict[str, str] | None:
+    """Whether the error of total-lagrangian falls from each spacing of ACROSS to the next."""
+    rows_of = [table.get(f"{letter} static, {across} across") for across, _ in ACROSS]
+    if not all(rows_of):
+        return None
+    errors = [abs(float(row["error"].rstrip(" %"))) for row in rows_of]
+    kept = all(b < a for a, b in itertools.pairwise(errors))
+    found = ", ".join(f"{e:.2f}" for e in errors) + " %"
+    return {
+        "demand": f"{letter} static, error falls at 6, 10, 15, 20 across",
+        "found": found,
+        "verdict": _verdict(kept),
+    }
+
+
+def _ordered(table: dict) -> list[dict[str, str]]:
+    """The rows found, in the order of `rows()` and `measures()`, with those drawn from others."""
+    found = [table[row.demand] for row in (*rows(), *measures()) if row.demand in table]
+    drawn = [row for row in (falls(table, letter) for letter in "AB") if row]
+    return [dict.fromkeys(COLUMNS, "") | row for row in (*drawn, *found)]
 
 
 def _write(table: dict[str, dict[str, str]]) -> None:
-    """The CSV file, and the same as Markdown, rows in the order of `rows()`."""
-    ordered = [table[row.demand] for row in rows() if row.demand in table]
+    """The CSV file, and the same as Markdown."""
+    ordered = _ordered(table)
     with (RESULTS / "structures.csv").open("w", newline="", encoding="utf-8") as file:
         writer = csv.DictWriter(file, COLUMNS, lineterminator="\n")
         writer.writeheader()
         writer.writerows(ordered)
+    missed = [row["demand"] for row in ordered if row["verdict"] == "missed"]
     head = (
         f"# Structures against what is true\n\nMade by `python -m tests.benchmark_structures`, last on {date.today()}. "
-        "Each row: `solid-solver run CASE SETTINGS`. Errors are relative; absolute where the truth is 0. Static: "
-        "damping ratio, periods of the first mode averaged over, change of the mean between their halves. Rate: "
-        "million particle-steps per second of stepping, beside whatever else the machine did.\n\n"
+        "Each row: `solid-solver run CASE SETTINGS`, or the command shown. Errors are relative; absolute where the "
+        "truth is 0. Static: damping ratio, periods of the first mode averaged over, change of the mean between their "
+        "halves. Rate: million particle-steps per second of stepping, beside whatever else the machine did.\n\n"
+        f"Missed: {', '.join(missed) or 'nothing'}.\n\n"
     )
     lines = ["| " + " | ".join(COLUMNS) + " |", "|" + "---|" * len(COLUMNS)]
     lines += ["| " + " | ".join(row[c].replace("|", "\\|") for c in COLUMNS) + " |" for row in ordered]
     (RESULTS / "structures.md").write_text(head + "\n".join(lines) + "\n", encoding="utf-8")
 
 
+def _table() -> dict[str, dict[str, str]]:
+    """The rows found before, by demand."""
+    if not (RESULTS / "structures.csv").is_file():
+        return {}
+    with (RESULTS / "structures.csv").open(newline="", encoding="utf-8") as file:
+        return {row["demand"]: {c: row.get(c) or "" for c in COLUMNS} for row in csv.DictReader(file)}
+
+
 def main() -> None:
     """Command line."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--only", default="", help="run the rows that contain this text")
+    parser.add_argument("--missing", action="store_true", help="run the rows that the table lacks")
     parser.add_argument("--threads", type=int, default=default_threads())
     options = parser.parse_args()
     RESULTS.mkdir(exist_ok=True)
-    table, done = {}, {}
-    if (RESULTS / "structures.csv").is_file():
-        with (RESULTS / "structures.csv").open(newline="", encoding="utf-8") as file:
-            table = {row["demand"]: dict.fromkeys(COLUMNS, "") | row for row in csv.DictReader(file)}
-    for row in rows():
-        if options.only not in " ".join((row.demand, row.case, *row.sets)):
-            continue
-        try:
-            table[row.demand] = run_row(row, done, options.threads)
-        except ShearwaterError as error:
-            blank = dict.fromkeys(COLUMNS, "")
-            table[row.demand] = blank | {"demand": row.demand, "case": row.case, "kept": "no", "found": str(error)[:80]}
-        shown = table[row.demand]
-        print(
-            f"{shown['demand']}: {shown['found']} ({shown['error']}) {shown['kept']} {shown['seconds']} s", flush=True
-        )
+    table, done = _table(), {}
+    wanted = [row for row in (*rows(), *measures()) if not (options.missing and row.demand in table)]
+    wanted = [row for row in wanted if options.only in " ".join(map(str, vars(row).values()))]
+    for row in sorted(wanted, key=lambda one: one.slow):
+        cells = run_row(row, done, table, options.threads) if isinstance(row, Row) else run_measure(row)
+        shown = dict.fromkeys(COLUMNS, "") | cells
+        table[row.demand] = shown
+        print(f"{row.demand}: {shown['found']} ({shown['error']}) {shown['verdict']} {shown['seconds']} s", flush=True)
         _write(table)
 
 
