@@ -5,6 +5,7 @@ r = x̃ − x is the residual. Each class offers
     begin()                          a new window begins
     next(x, found, weight) → x       the next point to try; `weight` (n,) makes unlike entries comparable: norms and
                                      fits are of weight · r; entries of weight 0 are carried along
+    state(), restore(state)          what is remembered from window to window, as named arrays
 
 Aitken: Irons & Tuck, Int. J. Numer. Methods Engrg. 1 (1969) 275. IQN-ILS: Degroote, Bathe & Vierendeels, Comput.
 Struct. 87 (2009) 793, with the QR filter of Haelterman et al., Comput. Struct. 171 (2016) 9.
@@ -17,6 +18,7 @@ from typing import Protocol
 
 import numpy as np
 
+from shared.checkpoint import State, inside, under
 from shared.schema import Coupling
 
 FILTER = 1e-3
@@ -31,6 +33,10 @@ class Acceleration(Protocol):
 
     def next(self, x: np.ndarray, found: np.ndarray, weight: np.ndarray) -> np.ndarray: ...
 
+    def state(self) -> State: ...
+
+    def restore(self, state: State) -> None: ...
+
 
 class Constant:
     """x + ω r."""
@@ -44,6 +50,13 @@ class Constant:
     def next(self, x: np.ndarray, found: np.ndarray, weight: np.ndarray) -> np.ndarray:
         """The next point to try."""
         return x + self._omega * (found - x)
+
+    def state(self) -> State:
+        """Nothing."""
+        return {}
+
+    def restore(self, state: State) -> None:
+        """Nothing."""
 
 
 class Aitken:
@@ -68,6 +81,14 @@ class Aitken:
                 self._omega = float(np.clip(omega, -_LARGEST_FACTOR, _LARGEST_FACTOR)) or self._omega
         self._last = residual
         return x + self._omega * (found - x)
+
+    def state(self) -> State:
+        """The last ω."""
+        return {"omega": np.array(self._omega)}
+
+    def restore(self, state: State) -> None:
+        """Go back to a `state`."""
+        self._omega = float(state["omega"])
 
 
 class IqnIls:
@@ -99,6 +120,21 @@ class IqnIls:
             return x + self._omega * residual
         c = np.linalg.solve(upper, -(np.array(basis) @ (weight * residual)))
         return found + sum(factor * column for factor, (_, column) in zip(c, chosen, strict=True))
+
+    def state(self) -> State:
+        """The differences that are kept: per window (newest first) and pair (newest first) Δr and Δx̃."""
+        return {
+            f"{window}/{pair}": np.array(columns)
+            for window, pairs in enumerate(self._columns)
+            for pair, columns in enumerate(pairs)
+        } | {"windows": np.array(len(self._columns))}
+
+    def restore(self, state: State) -> None:
+        """Go back to a `state`."""
+        self._columns.clear()
+        for window in range(int(state["windows"])):
+            pairs = inside(str(window), state)
+            self._columns.append([tuple(pairs[str(pair)]) for pair in range(len(pairs))])
 
     def _independent(self, weight: np.ndarray):
         """Differences, newest first, that the newer ones do not explain; orthonormal basis and R of their Δr."""
@@ -151,6 +187,20 @@ class SteppingUp:
             self.news = f"aitken to iqn-ils: more than {self.PATIENCE} iterations in a window"
         better = self._newton.next(x, found, weight)
         return better if self._aitken is None else self._aitken.next(x, found, weight)
+
+    def state(self) -> State:
+        """That of both methods; no Aitken once it has been left."""
+        aitken = {} if self._aitken is None else under("aitken", self._aitken.state())
+        return aitken | under("newton", self._newton.state())
+
+    def restore(self, state: State) -> None:
+        """Go back to a `state`."""
+        aitken = inside("aitken", state)
+        if aitken:
+            self._aitken.restore(aitken)
+        else:
+            self._aitken = None
+        self._newton.restore(inside("newton", state))
 
 
 def make_acceleration(coupling: Coupling) -> Acceleration:

@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import logging
 from collections.abc import Callable
+from typing import Protocol
 
 import numpy as np
 
@@ -24,12 +25,22 @@ from coupler.schemes import (
 )
 from coupler.vectors import Measure
 from coupler.window import Plan
+from shared.checkpoint import State, inside, under
 from shared.clock import Window
 from shared.schema import Coupling
 
 log = logging.getLogger("shearwater")
 
-Taker = Callable[[Coupled, Window], Outcome]
+
+class Taker(Protocol):
+    """Takes a window; what it remembers from window to window can be kept and given back, as named arrays."""
+
+    def __call__(self, c: Coupled, window: Window) -> Outcome: ...
+
+    def state(self) -> State: ...
+
+    def restore(self, state: State) -> None: ...
+
 
 _LARGEST_RESPONSE = 0.4
 """Measured |g| past which lagged exchange is left. On an absorbing column it bears 1, 0.58 and 0.35 by order of the
@@ -47,11 +58,29 @@ def make_taker(plan: Plan, coupling: Coupling) -> Taker:
         return Auto(plan, coupling)
     measure = Measure.of(coupling)
     if coupling.scheme.endswith("explicit"):
-        scheme = serial_explicit if coupling.scheme.startswith("serial") else parallel_explicit
-        return lambda c, window: scheme(c, window, measure)
+        return Fixed(serial_explicit if coupling.scheme.startswith("serial") else parallel_explicit, measure)
     how = Iteration(make_acceleration(coupling), measure, coupling.max_iterations, coupling.on_cap == "accept")
-    scheme = serial_implicit if coupling.scheme.startswith("serial") else parallel_implicit
-    return lambda c, window: scheme(c, window, how)
+    return Fixed(serial_implicit if coupling.scheme.startswith("serial") else parallel_implicit, how)
+
+
+class Fixed:
+    """The scene's own scheme, every window."""
+
+    def __init__(self, scheme: Callable[..., Outcome], how: Measure | Iteration):
+        self._scheme, self._how = scheme, how
+
+    def __call__(self, c: Coupled, window: Window) -> Outcome:
+        """Take one window."""
+        return self._scheme(c, window, self._how)
+
+    def state(self) -> State:
+        """What the acceleration remembers."""
+        return self._how.acceleration.state() if isinstance(self._how, Iteration) else {}
+
+    def restore(self, state: State) -> None:
+        """Go back to a `state`."""
+        if isinstance(self._how, Iteration):
+            self._how.acceleration.restore(state)
 
 
 class Plain(Constant):
@@ -100,6 +129,18 @@ class Auto:
         outcome = serial_explicit(c, window, self._measure)
         self._watch(window, outcome)
         return outcome
+
+    def state(self) -> State:
+        """Where it stands between the schemes, and what it watches."""
+        state = {"explicit": np.array(self._explicit), "swings": np.array(self._swings)}
+        last = {} if self._last is None else {"last": self._last}
+        return state | last | under("acceleration", self._acceleration.state())
+
+    def restore(self, state: State) -> None:
+        """Go back to a `state`."""
+        self._explicit, self._swings = bool(state["explicit"]), int(state["swings"])
+        self._last = state.get("last")
+        self._acceleration.restore(inside("acceleration", state))
 
     def _watch(self, window: Window, outcome: Outcome) -> None:
         """Lagged loads that overshoot to and fro, ever further, are about to blow up."""

@@ -14,17 +14,19 @@ from rich.table import Table
 from coupler.bench import exchange_line
 from coupler.chart import make_chart
 from coupler.chart_files import summary, write_chart
+from coupler.one_side import resume_one_side, run_one_side
 from coupler.preflight import actual, preflight, stop_if_refused, warn_of
-from coupler.preflight_auto import chosen, run_one_side
+from coupler.preflight_auto import chosen
 from coupler.preflight_table import print_preflight
 from coupler.report import write_report
-from coupler.run import run_coupled
+from coupler.run import resume_coupled, run_coupled
 from coupler.stability import find_boundaries, write_map
 from coupler.stability_map import load_map
 from shared.commands import (
     Case,
     Out,
     Quiet,
+    RunDir,
     Sets,
     case_name,
     conclude,
@@ -34,8 +36,12 @@ from shared.commands import (
     warn,
 )
 from shared.contract import BadInput
-from shared.results import plain, write_result
+from shared.plain import plain
+from shared.record import Record
+from shared.results import write_result
+from shared.resume import unfinished
 from shared.scene import load_scene, shipped_cases
+from shared.schema import Scene
 
 app = new_app("Couples a fluid and a solid solver: fluid-structure interaction with smoothed particle hydrodynamics.")
 
@@ -83,6 +89,28 @@ def run(
     if not force:
         stop_if_refused(found)
     record = run_coupled(scene, case_name(case), out, counts, quiet, link.value, found.as_dict())
+    conclude_coupled(record, scene, quiet)
+
+
+@app.command()
+def resume(
+    run_dir: RunDir,
+    threads: Annotated[str, typer.Option(help="Like fluid=2,solid=1; default: as it ran.")] = "",
+    link: Annotated[
+        LinkKind, typer.Option(help="Two processes over zenoh, or both sides in this one.")
+    ] = LinkKind.zenoh,
+    quiet: Quiet = False,
+) -> None:
+    """Go on with a run that was cut short, from its last checkpoint, to the same bytes as without the break."""
+    scene, last = unfinished(run_dir)
+    if len(last.notes["threads"]) == 1:
+        raise SystemExit(resume_one_side(run_dir, *last.notes["threads"], threads, quiet))
+    counts = parse_threads(threads) if threads else last.notes["threads"]
+    conclude_coupled(resume_coupled(run_dir, last, scene, counts, link.value, quiet), scene, quiet)
+
+
+def conclude_coupled(record: Record, scene: Scene, quiet: bool) -> None:
+    """Set what pre-flight had predicted beside what came of it, and say how the run went."""
     record.result["preflight"]["actual"] = actual(record.result, scene)
     write_result(record.run_dir, record.result)
     conclude(record, quiet)
@@ -148,7 +176,7 @@ def stability(
 
 @app.command()
 def report(
-    run_dir: Annotated[Path, typer.Argument(help="Directory of a run.")],
+    run_dir: RunDir,
     out: Annotated[
         Path | None, typer.Option(help="File to write; default RUN_DIR/report.html.", show_default=False)
     ] = None,

@@ -12,10 +12,12 @@ Per window, with F̄ the mean forces, Δx the windows' displacements:
 from __future__ import annotations
 
 from pathlib import Path
+from typing import TextIO
 
 import numpy as np
 
 from coupler.schemes import Outcome
+from shared.checkpoint import State, cut_lines
 from shared.clock import Window
 from shared.contract import SolverFailed
 from shared.schema_coupling import Limits
@@ -41,6 +43,16 @@ COLUMNS = (
 )
 
 
+_SUMS = (
+    "past",
+    "impulse_fluid",
+    "impulse_structure",
+    "work",
+    "work_fluid",
+    "largest_work",
+    "largest_impulse",
+    "mapping_error",
+)
 _PATIENCE = 20
 """Windows in a row past a limit that stop the run: in the first windows, and when water hits, lag is all there is."""
 _WAYS_OUT = {
@@ -61,13 +73,15 @@ class LedgerExceeded(SolverFailed):
 
 
 class Ledger:
-    """Writes `ledger.csv`, one row per accepted window, and keeps the sums; stops the run past a limit."""
+    """Writes `ledger.csv`, one row per accepted window, and keeps the sums; stops the run past a limit.
 
-    def __init__(self, path: Path, limits: Limits):
+    `rows`: go on with the file that is there, behind this many rows.
+    """
+
+    def __init__(self, path: Path, limits: Limits, rows: int | None = None):
         self._limits = limits
         self._past = 0
-        self._file = path.open("w", newline="\n", encoding="utf-8")
-        self._file.write(",".join(COLUMNS) + "\n")
+        self._file = _open(path, rows)
         self._impulse_fluid = np.zeros(2)
         self._impulse_structure = np.zeros(2)
         self._work = 0.0
@@ -75,6 +89,16 @@ class Ledger:
         self._largest_work = 0.0
         self._largest_impulse = 0.0
         self._mapping_error = 0.0
+
+    def state(self) -> State:
+        """The sums, and how long they have been past their limits."""
+        return {name: np.array(getattr(self, f"_{name}")) for name in _SUMS}
+
+    def restore(self, state: State) -> None:
+        """Go back to a `state`."""
+        for name in _SUMS:
+            value = state[name]
+            setattr(self, f"_{name}", value if value.ndim else value.item())
 
     def record(self, window: Window, outcome: Outcome) -> None:
         """One accepted window. Raises LedgerExceeded past a limit."""
@@ -139,3 +163,13 @@ class Ledger:
     def close(self) -> None:
         """Close the file."""
         self._file.close()
+
+
+def _open(path: Path, rows: int | None) -> TextIO:
+    """The file, new with its header, or as it was after `rows` rows."""
+    if rows is not None:
+        cut_lines(path, 1 + rows)
+        return path.open("a", newline="\n", encoding="utf-8")
+    file = path.open("w", newline="\n", encoding="utf-8")
+    file.write(",".join(COLUMNS) + "\n")
+    return file

@@ -6,6 +6,7 @@ from collections import deque
 
 import numpy as np
 
+from shared.checkpoint import State, inside
 from shared.clock import Window
 from shared.contract import Exchange, Kinematics, exchange_fields
 
@@ -34,6 +35,16 @@ class Predictor:
     def add(self, found: Exchange) -> None:
         """Remember what a window brought."""
         self._past.appendleft(exchange_fields(found))
+
+    def state(self) -> State:
+        """The past that is remembered."""
+        return {f"{k}/{name}": array for k, past in enumerate(self._past) for name, array in past.items()}
+
+    def restore(self, state: State) -> None:
+        """Go back to a `state`."""
+        count = len(state) // len(self._past[0])
+        self._past.clear()
+        self._past.extend(inside(str(k), state) for k in range(count))
 
 
 def carried_on(start: Kinematics, target: Kinematics, window: Window) -> Kinematics:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -60,6 +61,7 @@ class Remote:
         rollback: bool = False,
         frames: int,
         probe_rows: int,
+        resumed: bool = False,
     ) -> tuple[Exchange, dict[str, float]]:
         """Begin at t = 0; see `Participant.start`."""
         self._count = len(selection)
@@ -72,6 +74,7 @@ class Remote:
             "rollback": rollback,
             "frames": frames,
             "probe_rows": probe_rows,
+            "resumed": resumed,
         }
         reply = self._ask("start", info=info, fields=fields)
         return self._exchange(reply), dict(reply.info["probes"])
@@ -106,6 +109,18 @@ class Remote:
     def end_accept(self) -> None:
         """Wait for the acceptance."""
         self.row = self._receive().info.get("probes")
+
+    def begin_save(self, path: Path) -> None:
+        """The participant begins to write its complete state to the file `path`."""
+        self._send("save", info={"path": str(path)})
+
+    def end_save(self) -> None:
+        """Wait until it is written."""
+        self._receive()
+
+    def load(self, path: Path) -> None:
+        """The participant takes its state from the file `path`."""
+        self._ask("load", info={"path": str(path)})
 
     def finish(self) -> dict[str, Any]:
         """Close the participant's files; what it cost."""

@@ -14,11 +14,13 @@ from coupler.choice import make_taker
 from coupler.inprocess import inprocess_sides
 from coupler.ledger import Ledger
 from coupler.mapping import Mapping, build_mapping
+from coupler.memory import recall, remember
 from coupler.prediction import Predictor
 from coupler.remote import Remote
 from coupler.schemes import Coupled, probes
 from coupler.supervisor import PACKAGES, solver_processes
 from coupler.window import Plan, alpha_rate, make_plan, mass_ratio
+from shared.checkpoint import Checkpoint, Checkpoints
 from shared.clock import Clock
 from shared.contract import BadInput, Description
 from shared.record import Record
@@ -52,26 +54,39 @@ def run_coupled(
                 "or add the table"
             )
     run_dir = new_run_directory(out, case)
-    run = uuid.uuid4().hex[:12]
-    with (
-        Record(run_dir, scene, case, threads, quiet) as record,
-        _logging_to(run_dir / "log"),
-        _sides(scene, threads, link, run, run_dir) as both,
-    ):
+    with Record(run_dir, scene, case, threads, quiet) as record:
         record.preflight |= preflight or {}
-        couple(scene, both["fluid"], both["solid"], record)
+        _run(scene, threads, link, record)
     return record
 
 
-def _sides(scene: Scene, threads: dict[str, int], link: str, run: str, run_dir: Path):
+def resume_coupled(
+    run_dir: Path, last: Checkpoint, scene: Scene, threads: dict[str, int], link: str, quiet: bool
+) -> Record:
+    """Go on with a run of `run_coupled` from its checkpoint `last`, to the same bytes."""
+    with Record(run_dir, scene, last.notes["case"], threads, quiet, last) as record:
+        record.preflight |= last.notes["preflight"]
+        _run(scene, threads, link, record, last)
+    return record
+
+
+def _run(scene: Scene, threads: dict[str, int], link: str, record: Record, last: Checkpoint | None = None) -> None:
+    """Start both sides, march them from t = 0 or from a checkpoint, and end them."""
+    run_dir, run = record.run_dir, uuid.uuid4().hex[:12]
+    with _logging_to(run_dir / "log"), _sides(scene, threads, link, run, record) as both:
+        couple(scene, both["fluid"], both["solid"], record, last)
+
+
+def _sides(scene: Scene, threads: dict[str, int], link: str, run: str, record: Record):
     """The context that holds both participants as remotes, their compiled code ready."""
+    run_dir = record.run_dir
     fill_cache(PACKAGES, run_dir / "case.toml", scene)
     if link == "inprocess":
         return inprocess_sides(scene, threads, run, run_dir)
-    return solver_processes(run, run_dir, threads, scene.coupling.stall_after)
+    return solver_processes(run, run_dir, threads, scene.coupling.stall_after, record.claim.fileno())
 
 
-def couple(scene: Scene, fluid: Remote, structure: Remote, record: Record) -> None:
+def couple(scene: Scene, fluid: Remote, structure: Remote, record: Record, last: Checkpoint | None = None) -> None:
     """Describe, map, plan, start, march, finish."""
     described_fluid, described_structure = fluid.describe(), structure.describe()
     mapping = build_mapping(described_structure, described_fluid)
@@ -91,22 +106,22 @@ def couple(scene: Scene, fluid: Remote, structure: Remote, record: Record) -> No
     log.info("window %.4g s, %d windows, r = %.4g", clock.window_length, clock.count, r)
     for reason in plan.reasons:
         log.info("%s", reason)
-    c = start(scene, clock, mapping, fluid, structure, record)
-    begun = time.perf_counter()
-    counts = march(scene, plan, clock, c, record)
-    marched = time.perf_counter() - begun
+    c = start(scene, clock, mapping, fluid, structure, record, last)
+    counts = march(scene, plan, clock, c, record, last)
     costs = {"fluid": fluid.finish(), "solid": structure.finish()}
-    working = sum(cost["busy_s"] for cost in costs.values())
+    waited = counts["marched_s"] - sum(cost["busy_s"] for cost in costs.values())
     record.cost |= {
         "core_s": sum(cost.pop("core_s") for cost in costs.values()),
         **costs,
         "coupling": {
             "scheme": plan.scheme,
             "windows": clock.count,
-            **counts,
+            "iterations_mean": counts["iterations"] / clock.count,
+            "iterations_most": counts["most"],
+            "not_converged": counts["unconverged"],
             "reasons": plan.reasons,
-            "wait_s": marched - working,
-            "overhead_fraction": (marched - working) / marched,
+            "wait_s": waited,
+            "overhead_fraction": waited / counts["marched_s"],
         },
     }
 
@@ -122,42 +137,68 @@ def check_pressures(scene: Scene, structure: Description, fluid: Description) ->
         )
 
 
-def start(scene: Scene, clock: Clock, mapping: Mapping, fluid: Remote, structure: Remote, record: Record) -> Coupled:
-    """Both sides at t = 0."""
+def start(
+    scene: Scene,
+    clock: Clock,
+    mapping: Mapping,
+    fluid: Remote,
+    structure: Remote,
+    record: Record,
+    last: Checkpoint | None,
+) -> Coupled:
+    """Both sides at t = 0, or where the checkpoint `last` left them."""
     options = {
         "frames": scene.output.frames,
         "probe_rows": min(probe_rows(scene), clock.count),
         "rollback": not scene.coupling.scheme.endswith("explicit"),
+        "resumed": last is not None,
     }
     points, first = structure.start(clock, mapping.selection, **options)
     ghosts = mapping.motion(points)
     loads, more = fluid.start(clock, range(mapping.matrix.shape[0]), ghosts, **options)
-    record.at(0.0, first | more)
     order = scene.coupling.predictor
     predictors = Predictor(order, mapping.loads(loads)), Predictor(order, points)
+    if last is None:
+        record.at(0.0, first | more)
+    else:
+        fluid.load(last.part(fluid.name))
+        structure.load(last.part(structure.name))
     return Coupled(fluid, structure, mapping, points, ghosts, *predictors)
 
 
-def march(scene: Scene, plan: Plan, clock: Clock, c: Coupled, record: Record) -> dict[str, float]:
-    """All windows; returns how they were iterated."""
+def march(
+    scene: Scene, plan: Plan, clock: Clock, c: Coupled, record: Record, last: Checkpoint | None = None
+) -> dict[str, float]:
+    """All windows, or those that the checkpoint `last` leaves; returns how they were iterated, and the time spent."""
+    begun = time.perf_counter()
+    first = last.window if last else 0
     take = make_taker(plan, scene.coupling)
-    ledger = Ledger(record.run_dir / "ledger.csv", scene.coupling.limits)
-    iterations, unconverged, most = 0, 0, 0
+    ledger = Ledger(record.run_dir / "ledger.csv", scene.coupling.limits, first if last else None)
+    counts = {"iterations": 0, "unconverged": 0, "most": 0, "marched_s": 0.0}
+    checkpoints = Checkpoints(record.run_dir, scene.output.checkpoint_every, last)
+    memory = {"coupled": c, "taker": take, "ledger": ledger}
     try:
-        for window in map(clock.window, range(clock.count)):
+        if last is not None:
+            counts |= recall(memory, plan, last)
+        before = counts["marched_s"]
+        for window in map(clock.window, range(first, clock.count)):
+            if checkpoints.due():
+                ledger.flush()
+                counts["marched_s"] = before + time.perf_counter() - begun
+                remember(memory, plan, checkpoints, window, record.notes() | {"counts": counts})
             outcome = take(c, window)
             row = probes(c)
             record.at(window.t1, row)
             ledger.record(window, outcome)
-            iterations += len(outcome.changes)
-            most = max(most, len(outcome.changes))
-            unconverged += not outcome.converged
+            counts["iterations"] += len(outcome.changes)
+            counts["most"] = max(counts["most"], len(outcome.changes))
+            counts["unconverged"] += not outcome.converged
             if row is not None:
                 ledger.flush()
     finally:
         ledger.close()
         record.ledger |= ledger.summary()
-    return {"iterations_mean": iterations / clock.count, "iterations_most": most, "not_converged": unconverged}
+    return counts | {"marched_s": before + time.perf_counter() - begun}
 
 
 @contextlib.contextmanager

@@ -16,8 +16,9 @@ from coupler.mapping import Mapping
 from coupler.prediction import Predictor, carried_on
 from coupler.remote import Remote
 from coupler.vectors import Measure, pack, unpack
+from shared.checkpoint import State, inside, under
 from shared.clock import Window
-from shared.contract import Kinematics, Loads, SolverFailed
+from shared.contract import Kinematics, Loads, SolverFailed, exchange_fields
 
 Probes = dict[str, float]
 
@@ -43,6 +44,21 @@ class Coupled:
         self.loads.add(found)
         self.motions.add(points)
         self.points, self.ghosts = points, ghosts
+
+    def state(self) -> State:
+        """What lies between the two sides, as named arrays; the sides have their own."""
+        return (
+            under("points", exchange_fields(self.points))
+            | under("ghosts", exchange_fields(self.ghosts))
+            | under("loads", self.loads.state())
+            | under("motions", self.motions.state())
+        )
+
+    def restore(self, state: State) -> None:
+        """Go back to a `state`."""
+        self.points, self.ghosts = (Kinematics(**inside(name, state)) for name in ("points", "ghosts"))
+        self.loads.restore(inside("loads", state))
+        self.motions.restore(inside("motions", state))
 
 
 @dataclass(frozen=True)

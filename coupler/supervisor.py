@@ -74,16 +74,19 @@ def _command(name: str, endpoint: str, run: str, run_dir: Path, threads: int) ->
 
 @contextlib.contextmanager
 def solver_processes(
-    run: str, run_dir: Path, threads: dict[str, int], stall_after: float
+    run: str, run_dir: Path, threads: dict[str, int], stall_after: float, claim: int
 ) -> Iterator[dict[str, Remote]]:
-    """Both solvers as processes, connected over zenoh; they are gone when the context ends, however it ends."""
+    """Both solvers as processes, connected over zenoh; they are gone when the context ends, however it ends.
+
+    `claim`: descriptor of the file that keeps others from the run; it is held as long as a solver lives.
+    """
     log_dir = run_dir / "log"
     log_dir.mkdir(exist_ok=True)
     with listening(run) as (session, endpoint), contextlib.ExitStack() as stack:
         remotes, links, processes = {}, [], []
         for name in PACKAGES:
             log = log_dir / f"{name}.txt"
-            output = stack.enter_context(log.open("w"))
+            output = stack.enter_context(log.open("a"))
             # A session of its own: Ctrl-C reaches the coupler alone, which ends the run in order.
             process = subprocess.Popen(
                 _command(name, endpoint, run, run_dir, threads[name]),
@@ -91,6 +94,7 @@ def solver_processes(
                 stdout=output,
                 stderr=subprocess.STDOUT,
                 start_new_session=True,
+                pass_fds=(claim,),
             )
             solver = Solver(name, process, log)
             processes.append(process)

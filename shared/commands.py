@@ -23,6 +23,7 @@ Out = Annotated[Path | None, typer.Option(help="Run directory to make; default r
 Sets = Annotated[
     list[str] | None, typer.Option("--set", help="path.to.key=value; may be repeated.", metavar="KEY=VALUE")
 ]
+RunDir = Annotated[Path, typer.Argument(help="Directory of a run.", show_default=False)]
 Quiet = Annotated[bool, typer.Option("--quiet", help="No progress, no table.")]
 
 

@@ -12,9 +12,9 @@ import time
 from collections.abc import Mapping
 from pathlib import Path
 
-import h5py
 import numpy as np
 
+from shared.checkpoint import inside, read_state, under, write_state
 from shared.clock import Clock, Window
 from shared.contract import (
     Description,
@@ -32,7 +32,7 @@ from shared.vtkhdf import FrameWriter
 
 log = logging.getLogger("shearwater")
 
-_PLACES = "interface places"  # in a checkpoint: own points at the next window's start
+_COSTS = ("steps", "busy_s", "outgrown_windows", "core_s", "stepping_core_s")
 _OUTGROWN = 1.25  # a sub-step this much longer than the stable step at the window's end is noted in the log
 
 
@@ -56,6 +56,7 @@ class Participant:
         self._busy = 0.0
         self._core_at_start = 0.0
         self._outgrown = 0
+        self._earlier = dict.fromkeys(_COSTS, 0.0)  # of a run that this one goes on with
 
     # ---- the verbs --------------------------------------------------------------------------------------------
 
@@ -75,11 +76,12 @@ class Participant:
         rollback: bool = False,
         frames: int = 1,
         probe_rows: int = 1,
+        resumed: bool = False,
     ) -> tuple[Exchange, dict[str, float]]:
         """Begin at t = 0; returns the own initial data on the selected points and the probes' first row.
 
         `selection` (k,): the interface points that travel. `frames`, `probe_rows`: numbers of outputs after the
-        first, evenly over the run.
+        first, evenly over the run. `resumed`: `load` comes next, so that the first frame stands already.
         """
         self._need(self._stage == "described", "start", "describe must come first, and start only once")
         self._clock, self._selection, self._rollback = clock, np.asarray(selection), rollback
@@ -90,7 +92,8 @@ class Participant:
         self.model.check()
         if self._output is not None:
             self._writer = FrameWriter(self._output)
-            self._writer.append(0.0, self.model.frame())
+            if not resumed:
+                self._writer.append(0.0, self.model.frame())
         self._stage = "ready"
         self._core_at_start = time.process_time()
         if self._faces is not None:
@@ -138,23 +141,22 @@ class Participant:
         return self.model.probe_values() if self._clock.crosses(index, self._probe_rows) else None
 
     def save(self, path: str | Path) -> None:
-        """Write the complete state to the HDF5 file `path`."""
+        """Write the complete state, and what it has cost so far, to the HDF5 file `path`."""
         self._need(self._stage == "ready", "save", self._why_not_ready())
-        with h5py.File(path, "w") as file:
-            file.attrs["window"] = self._next
-            for name, array in self.model.state().items():
-                file[name] = array
-            if self._places is not None:
-                file[_PLACES] = self._places[0]
+        state = under("model", self.model.state()) | under("cost", {n: np.array(v) for n, v in self._costs().items()})
+        if self._places is not None:
+            state["places"] = self._places[0]
+        write_state(Path(path), state | {"window": np.array(self._next)})
 
     def load(self, path: str | Path) -> None:
         """Take the state, and the number of the next window, from the HDF5 file `path`."""
         self._need(self._stage == "ready", "load", self._why_not_ready())
-        with h5py.File(path) as file:
-            self.model.restore({name: file[name][()] for name in file if name != _PLACES})
-            if self._places is not None:
-                self._places = (file[_PLACES][()],) * 2
-            self._next = int(file.attrs["window"])
+        state = read_state(Path(path))
+        self.model.restore(inside("model", state))
+        if self._places is not None:
+            self._places = (state["places"],) * 2
+        self._next = int(state["window"])
+        self._earlier = {name: float(value) for name, value in inside("cost", state).items()}
         self._saved = None
 
     def finish(self) -> dict[str, object]:
@@ -162,17 +164,15 @@ class Participant:
         self._need(self._stage != "finished", "finish", "the participant has finished already")
         self.close()
         self._stage = "finished"
-        usage = resource.getrusage(resource.RUSAGE_SELF)
-        steps, particles = self.model.steps(), self.model.particles()
+        costs = self._costs()
+        particles, steps, busy = self.model.particles(), round(costs["steps"]), costs["busy_s"]
         return {
             "model": self.model.describe().model,
             "particles": particles,
+            **costs,
             "steps": steps,
-            "busy_s": self._busy,
-            "outgrown_windows": self._outgrown,
-            "particle_steps_per_s": particles * steps / self._busy if self._busy else 0.0,
-            "core_s": usage.ru_utime + usage.ru_stime,
-            "stepping_core_s": time.process_time() - self._core_at_start,
+            "outgrown_windows": round(costs["outgrown_windows"]),
+            "particle_steps_per_s": particles * steps / busy if busy else 0.0,
             "peak_MiB": peak_mib(),
         }
 
@@ -188,6 +188,18 @@ class Participant:
         if self._writer is not None:
             self._writer.close()
             self._writer = None
+
+    def _costs(self) -> dict[str, float]:
+        """What this side has cost so far, before a checkpoint that it went on from included."""
+        usage = resource.getrusage(resource.RUSAGE_SELF)
+        now = (
+            self.model.steps(),
+            self._busy,
+            self._outgrown,
+            usage.ru_utime + usage.ru_stime,
+            time.process_time() - self._core_at_start,
+        )
+        return {name: self._earlier[name] + value for name, value in zip(_COSTS, now, strict=True)}
 
     def expected_boundary(self) -> Mapping[str, tuple[int, ...]]:
         """Names and shapes of the partner's fields that `advance` needs."""

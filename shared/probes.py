@@ -10,6 +10,7 @@ from typing import Any
 
 import numpy as np
 
+from shared.checkpoint import cut_lines
 from shared.contract import BadInput, ShearwaterError
 from shared.curves import read_curve
 from shared.schema import Reference, Scene
@@ -56,24 +57,33 @@ def probe_units(scene: Scene) -> dict[str, str]:
 class ProbeTable:
     """The probes' time histories: kept, and written to the CSV file `path` row by row.
 
-    `units`: unit of each probe by name; its order is the order of the columns after `time`.
+    `units`: unit of each probe by name; its order is the order of the columns after `time`. `rows`: go on with the
+    file that is there, behind this many rows.
     """
 
-    def __init__(self, path: str | Path, units: Mapping[str, str]):
+    def __init__(self, path: str | Path, units: Mapping[str, str], rows: int | None = None):
         self.path = Path(path)
         self.units = dict(units)
-        self._rows: list[list[float]] = []
+        lines = [] if rows is None else cut_lines(self.path, 1 + rows)
+        self._rows = [[float(cell) for cell in line.split(",")] for line in lines[1:]]
         try:
-            self._file = self.path.open("w", buffering=1, newline="\n")  # a row is on the disk once it is written
+            # A row is on the disk once it is written.
+            self._file = self.path.open("w" if rows is None else "a", buffering=1, newline="\n")
         except OSError as error:
             raise self._cannot_write(error) from error
-        self._write(["time", *self.units])
+        if rows is None:
+            self._write(["time", *self.units])
 
     def append(self, time: float, values: Mapping[str, float]) -> None:
         """Add the values at `time` [s]; a probe that is not among them has none (nan)."""
         row = [float(time), *(float(values.get(name, math.nan)) for name in self.units)]
         self._write([repr(value) for value in row])
         self._rows.append(row)
+
+    @property
+    def rows(self) -> int:
+        """Number of rows."""
+        return len(self._rows)
 
     @property
     def time(self) -> np.ndarray:

@@ -7,11 +7,12 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
+from shared.checkpoint import Checkpoint, claim
 from shared.contract import ShearwaterError
 from shared.pictures import draw_pictures
 from shared.probes import ProbeTable, probe_units
 from shared.progress import Progress
-from shared.results import make_result, write_result
+from shared.results import environment, make_result, write_result
 from shared.scene import dump_scene
 from shared.schema import Scene
 
@@ -20,10 +21,18 @@ class Record:
     """Context of a run in `run_dir`: writes `case.toml` first, `probes.csv` on the way, `result.json` at the end.
 
     The run adds to `cost`, `ledger` and `preflight`. An error or Ctrl-C that leaves the context is written down as
-    the run's status and reason, and goes on.
+    the run's status and reason, and goes on. `last`: the checkpoint that the run goes on from.
     """
 
-    def __init__(self, run_dir: Path, scene: Scene, case: str, threads: Mapping[str, int], quiet: bool):
+    def __init__(
+        self,
+        run_dir: Path,
+        scene: Scene,
+        case: str,
+        threads: Mapping[str, int],
+        quiet: bool,
+        last: Checkpoint | None = None,
+    ):
         self.run_dir = run_dir
         self.cost: dict[str, Any] = {}
         self.ledger: dict[str, float] = {}
@@ -31,10 +40,13 @@ class Record:
         self.pictures: list[Path] = []
         self.result: dict[str, Any] = {}
         self._scene, self._case, self._threads = scene, case, dict(threads)
-        self._time = 0.0
+        self._time = 0.0 if last is None else last.time
+        self._wall_before = 0.0 if last is None else last.notes["wall_s"]
         self._text = dump_scene(scene)
-        (run_dir / "case.toml").write_text(self._text, encoding="utf-8")
-        self._table = ProbeTable(run_dir / "probes.csv", probe_units(scene))
+        if last is None:
+            (run_dir / "case.toml").write_text(self._text, encoding="utf-8")
+        self.claim = claim(run_dir)
+        self._table = ProbeTable(run_dir / "probes.csv", probe_units(scene), last and last.notes["probe_rows"])
         self._progress = Progress(scene.title, scene.end_time, quiet)
 
     def __enter__(self) -> Record:
@@ -49,6 +61,20 @@ class Record:
             self._table.append(now, probes)
         self._progress.update(now)
 
+    def notes(self) -> dict[str, Any]:
+        """What a checkpoint has to know of the record, for one that goes on with it."""
+        return {
+            "case": self._case,
+            "threads": self._threads,
+            "probe_rows": self._table.rows,
+            "wall_s": self._wall(),
+            "preflight": self.preflight,
+            "environment": environment(self._threads),
+        }
+
+    def _wall(self) -> float:
+        return self._wall_before + time.perf_counter() - self._begun
+
     def __exit__(self, kind, error, trace) -> None:
         self._progress.__exit__(None, None, None)
         self._table.close()
@@ -61,13 +87,14 @@ class Record:
             status=status,
             reason=reason,
             t_end=self._time,
-            cost={"wall_s": time.perf_counter() - self._begun, **self.cost},
+            cost={"wall_s": self._wall(), **self.cost},
             threads=self._threads,
             ledger=self.ledger,
             preflight=self.preflight,
         )
         write_result(self.run_dir, self.result)
         self.pictures = draw_pictures(self.run_dir, self._scene)
+        self.claim.close()
 
 
 def _status(error: BaseException | None) -> tuple[str, str]:

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import hashlib
 import json
-import math
 import os
 import platform
 import resource
@@ -14,10 +13,9 @@ from importlib import metadata
 from pathlib import Path
 from typing import Any
 
-import numpy as np
-
 from shared import jit
 from shared.contract import BadInput, ShearwaterError
+from shared.plain import plain
 from shared.probes import ProbeTable, compare
 from shared.schema import Scene
 
@@ -130,21 +128,6 @@ def write_result(run_dir: Path, result: Mapping[str, Any]) -> Path:
             f"or choose another place with --out DIR."
         ) from error
     return path
-
-
-def plain(value: Any) -> Any:
-    """`value` in the types of JSON: what is not finite becomes None."""
-    if isinstance(value, Mapping):
-        return {str(key): plain(item) for key, item in value.items()}
-    if isinstance(value, np.ndarray | np.generic):
-        return plain(value.tolist())
-    if isinstance(value, list | tuple):
-        return [plain(item) for item in value]
-    if isinstance(value, float) and not math.isfinite(value):
-        return None
-    if isinstance(value, Path):
-        return str(value)
-    return value
 
 
 def environment(threads: Mapping[str, int]) -> dict[str, Any]:

@@ -105,6 +105,7 @@ def _start(participant: Participant, request: Message) -> Answer:
         rollback=_number(info, "rollback", bool),
         frames=_number(info, "frames", int),
         probe_rows=_number(info, "probe_rows", int),
+        resumed=bool(info.get("resumed", False)),
     )
     return {"probes": probes}, exchange_fields(own)
 

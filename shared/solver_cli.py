@@ -9,13 +9,26 @@ from typing import Annotated
 
 import typer
 
-from shared.commands import Case, Out, Quiet, Sets, case_name, conclude, default_threads, new_app, warn
+from shared.commands import (
+    Case,
+    Out,
+    Quiet,
+    RunDir,
+    Sets,
+    case_name,
+    conclude,
+    default_threads,
+    new_app,
+    warn,
+)
+from shared.contract import BadInput
 from shared.link_zenoh import end_with, serve
 from shared.participant import Participant, own_faces
+from shared.resume import unfinished
 from shared.scene import load_scene
 from shared.service import Service
 from shared.sides import own_probes
-from shared.solo import Factory, run_alone
+from shared.solo import Factory, resume_alone, run_alone
 from shared.warm import take_a_tiny_step
 
 
@@ -35,6 +48,18 @@ def solver_app(side: str, factory: Factory) -> typer.Typer:
         scene = load_scene(case, sets or ())
         warn(scene)
         conclude(run_alone(scene, case_name(case), side, factory, out, threads, quiet), quiet)
+
+    @app.command("resume")
+    def resume(
+        run_dir: RunDir,
+        threads: Annotated[int | None, typer.Option(help="Threads; default: as it ran.", min=1)] = None,
+        quiet: Quiet = False,
+    ) -> None:
+        """Go on with a run of this side alone from its last checkpoint, to the same bytes."""
+        scene, last = unfinished(run_dir)
+        if set(last.notes["threads"]) != {side}:
+            raise BadInput(f"{run_dir} is not a run of the {side} side alone: coupler resume {run_dir}")
+        conclude(resume_alone(run_dir, last, scene, side, factory, threads, quiet), quiet)
 
     @app.command("warm", hidden=True)
     def warm(case: Case) -> None:

@@ -7,7 +7,7 @@ import json
 import pytest
 
 from coupler.preflight import preflight
-from shared.results import plain
+from shared.plain import plain
 from shared.scene import load_scene
 
 HEAD = """\

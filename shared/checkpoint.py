@@ -1,0 +1,197 @@
+"""Checkpoints: all that a run's future depends on, in files that are whole or not there.
+
+    checkpoints/window-0000001200/  fluid.h5 solid.h5    state of each side, written by that side
+                                    run.h5               what lies between them: histories, sums
+                                    manifest.json        written last: window, time, checksum of every part, cost so far
+
+A folder counts once its manifest stands and all checksums hold; the two newest are kept. A part is made in memory and
+written by plain writes, so that a full disk is an error like any other and spoils nothing that stands.
+"""
+
+from __future__ import annotations
+
+import fcntl
+import hashlib
+import io
+import json
+import logging
+import os
+import shutil
+import time
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any, TextIO
+
+import h5py
+import numpy as np
+
+from shared.contract import BadInput, ShearwaterError
+from shared.plain import plain
+
+log = logging.getLogger("shearwater")
+
+State = dict[str, np.ndarray]
+"""Named arrays; a name may be a path like "loads/0/force"."""
+
+FOLDER = "checkpoints"
+_KEPT = 2
+_PATIENCE_S = 20.0  # the solvers of a coupler that was killed end by themselves within seconds
+_MANIFEST = "manifest.json"
+
+
+def under(prefix: str, state: Mapping[str, np.ndarray]) -> State:
+    """The state with `prefix/` before every name."""
+    return {f"{prefix}/{name}": array for name, array in state.items()}
+
+
+def inside(prefix: str, state: Mapping[str, np.ndarray]) -> State:
+    """The inverse of `under`; other names are left out."""
+    return {name.removeprefix(f"{prefix}/"): a for name, a in state.items() if name.startswith(f"{prefix}/")}
+
+
+def write_state(path: Path, state: Mapping[str, np.ndarray]) -> None:
+    """Write `state` to the HDF5 file `path`: all of it or nothing. Raises ShearwaterError."""
+    image = io.BytesIO()
+    with h5py.File(image, "w") as file:
+        for name, array in state.items():
+            file[name] = array
+    _write(path, image.getvalue())
+
+
+def read_state(path: Path) -> State:
+    """What `write_state` wrote. Raises BadInput."""
+    found: State = {}
+
+    def take(name: str, item: h5py.Dataset | h5py.Group) -> None:
+        if isinstance(item, h5py.Dataset):
+            found[name] = item[()]
+
+    try:
+        with h5py.File(path, locking=False) as file:
+            file.visititems(take)
+    except OSError as error:
+        raise BadInput(f"The checkpoint {path} cannot be read ({error}).") from error
+    return found
+
+
+@dataclass(frozen=True)
+class Checkpoint:
+    """A complete checkpoint: its folder, the number of windows accepted, their end [s], and the run's own notes."""
+
+    folder: Path
+    window: int
+    time: float
+    notes: Mapping[str, Any]
+
+    def part(self, name: str) -> Path:
+        """File of one part."""
+        return self.folder / f"{name}.h5"
+
+
+class Checkpoints:
+    """Those of one run: says when the next is due, begins and seals it.
+
+    `every`: wall time [s] between two of them, 0 for none; the first is due at t = 0. `last`: the one that the run
+    goes on from; what is there beyond it goes.
+    """
+
+    def __init__(self, run_dir: Path, every: float, last: Checkpoint | None = None):
+        self._root = run_dir / FOLDER
+        self._every = every
+        self._last = -float("inf") if last is None else time.monotonic()
+        for folder in self._root.glob("window-*") if last is not None else ():
+            if folder.name > last.folder.name:
+                shutil.rmtree(folder)
+
+    def due(self) -> bool:
+        """Whether it is time for another."""
+        return self._every > 0.0 and time.monotonic() - self._last >= self._every
+
+    def begin(self, window: int) -> Path:
+        """A new folder for the parts of the checkpoint before window number `window`."""
+        folder = (self._root / f"window-{window:010d}").absolute()
+        try:
+            shutil.rmtree(folder, ignore_errors=True)
+            folder.mkdir(parents=True)
+        except OSError as error:
+            raise _cannot_write(folder, error) from error
+        return folder
+
+    def seal(self, folder: Path, window: int, now: float, notes: Mapping[str, Any]) -> None:
+        """All parts are there: the manifest makes them a checkpoint; all but the two newest go."""
+        parts = {path.name: _checksum(path) for path in sorted(folder.glob("*.h5"))}
+        manifest = {"window": window, "t": now, "parts": parts, "notes": plain(notes)}
+        _write(folder / _MANIFEST, json.dumps(manifest, indent=1).encode())
+        for old in sorted(self._root.glob("window-*"))[:-_KEPT]:
+            shutil.rmtree(old, ignore_errors=True)
+        self._last = time.monotonic()
+
+
+def newest(run_dir: Path) -> Checkpoint:
+    """The newest complete checkpoint of a run. Raises BadInput if there is none."""
+    for folder in sorted((Path(run_dir) / FOLDER).glob("window-*"), reverse=True):
+        try:
+            manifest = json.loads((folder / _MANIFEST).read_text())
+            spoiled = [name for name, sum_ in manifest["parts"].items() if _checksum(folder / name) != sum_]
+        except (OSError, ValueError, KeyError):
+            continue  # begun, and never sealed
+        if not spoiled:
+            return Checkpoint(folder, manifest["window"], manifest["t"], manifest["notes"])
+        log.warning("checkpoint %s is damaged (%s): an older one is taken", folder, ", ".join(spoiled))
+    raise BadInput(
+        f"{run_dir} holds no complete checkpoint to go on from: it is not the directory of a run, or its run was over "
+        "before the first one. Start it again with `run`."
+    )
+
+
+def claim(run_dir: Path) -> TextIO:
+    """Keep everybody else from writing to this run until the file returned, and every copy of it that a process
+    inherits, is closed. Raises BadInput."""
+    file = (run_dir / "case.toml").open(encoding="utf-8")
+    deadline = time.monotonic() + _PATIENCE_S
+    while True:
+        try:
+            fcntl.flock(file, fcntl.LOCK_EX | fcntl.LOCK_NB)
+            return file
+        except OSError:
+            if time.monotonic() > deadline:
+                file.close()
+                raise BadInput(
+                    f"The run in {run_dir} is still going on in another process; wait for it, or end it."
+                ) from None
+            time.sleep(0.1)
+
+
+def cut_lines(path: Path, count: int) -> list[str]:
+    """Cut the text file `path` to its first `count` lines, and return them. Raises BadInput if it has fewer."""
+    lines = path.read_text(encoding="utf-8").splitlines(keepends=True)
+    if len(lines) < count:
+        raise BadInput(f"{path} has {len(lines)} lines, and had {count} at the checkpoint: the run cannot go on.")
+    os.truncate(path, sum(len(line.encode()) for line in lines[:count]))
+    return lines[:count]
+
+
+def _write(path: Path, data: bytes) -> None:
+    unfinished = path.with_name(path.name + ".tmp")
+    try:
+        with unfinished.open("wb") as file:
+            file.write(data)
+            file.flush()
+            os.fsync(file.fileno())
+        os.replace(unfinished, path)
+    except OSError as error:
+        unfinished.unlink(missing_ok=True)
+        raise _cannot_write(path, error) from error
+
+
+def _checksum(path: Path) -> str:
+    with path.open("rb") as file:
+        return hashlib.file_digest(file, "sha256").hexdigest()
+
+
+def _cannot_write(path: Path, error: OSError) -> ShearwaterError:
+    return ShearwaterError(
+        f"The checkpoint {path} cannot be written ({error}). The disk may be full or the folder not writable: free "
+        "some space, choose another place with --out DIR, or do without: --set output.checkpoint_every=0."
+    )

@@ -1,0 +1,184 @@
+"""A run that was cut short goes on from its last checkpoint, to the same bytes; what cannot go on says why."""
+
+from __future__ import annotations
+
+import json
+import os
+import subprocess
+import sys
+import time
+
+import numpy as np
+import pytest
+
+import coupler.run
+import shared.solo
+from coupler.run import resume_coupled, run_coupled
+from fluid_solver.models import make_model
+from shared.checkpoint import Checkpoints, claim, newest, read_state, write_state
+from shared.contract import BadInput, ShearwaterError
+from shared.resume import unfinished
+from shared.scene import load_scene
+from shared.solo import resume_alone, run_alone
+from shared.vtkhdf import read_frame
+from tests.scenes import tiny_coupled
+
+ONE = {"fluid": 1, "solid": 1}
+OFTEN = "output.checkpoint_every=1e-9"
+pytestmark = pytest.mark.timeout(240)
+
+
+def piston(*sets):
+    return load_scene("piston", ["end_time=0.02", "output.frames=7", "output.probe_interval=1e-3", *sets])
+
+
+def same_output(first, second):
+    for name in ("probes.csv", "ledger.csv"):
+        if (first / name).exists():
+            assert (first / name).read_bytes() == (second / name).read_bytes(), name
+    for path in first.glob("*.vtkhdf"):
+        for index in range(8):
+            (time_a, a), (time_b, b) = read_frame(path, index), read_frame(second / path.name, index)
+            assert time_a == time_b
+            assert a.position.tobytes() == b.position.tobytes()
+            assert all(a.fields[name].tobytes() == b.fields[name].tobytes() for name in a.fields)
+
+
+def cut_short(monkeypatch, where, name, calls, run, *args):
+    """Do `run(*args)`, whose function `name` of `where` fails as an interrupted run does after so many calls."""
+    inner, left = getattr(where, name), iter(range(calls))
+
+    def failing(*given):
+        if next(left, None) is None:
+            raise KeyboardInterrupt
+        return inner(*given)
+
+    with monkeypatch.context() as patch:
+        patch.setattr(where, name, failing)
+        with pytest.raises(KeyboardInterrupt):
+            run(*args)
+
+
+@pytest.mark.parametrize(
+    "scheme",
+    [
+        ["coupling.scheme=serial-explicit", "coupling.predictor=2"],
+        ["coupling.scheme=serial-implicit", "coupling.acceleration=aitken"],
+        ["coupling.scheme=parallel-implicit", "coupling.acceleration=iqn-ils", "coupling.reuse=3"],
+        ["coupling.scheme=auto"],
+    ],
+    ids=lambda sets: sets[0].partition("=")[2],
+)
+def test_every_scheme_goes_on_with_its_memory(scheme, tmp_path, monkeypatch):
+    scene = piston(OFTEN, *scheme)
+    whole = run_coupled(scene, "piston", tmp_path / "whole", ONE, True, "inprocess").result
+    half = whole["cost"]["coupling"]["windows"] // 2
+    given = (scene, "piston", tmp_path / "cut", ONE, True, "inprocess")
+    cut_short(monkeypatch, coupler.run, "probes", half, run_coupled, *given)
+    again, last = unfinished(tmp_path / "cut")
+    assert last.window == half
+    found = resume_coupled(tmp_path / "cut", last, again, ONE, "inprocess", True).result
+    same_output(tmp_path / "whole", tmp_path / "cut")
+    assert found["status"] == "finished"
+    assert found["probes"] == whole["probes"]
+    assert found["ledger"] == whole["ledger"]
+    assert found["case_hash"] == whole["case_hash"]
+    for name in ("iterations_mean", "iterations_most", "not_converged", "reasons"):
+        assert found["cost"]["coupling"][name] == whole["cost"]["coupling"][name], name
+    assert found["cost"]["fluid"]["steps"] == whole["cost"]["fluid"]["steps"]
+
+
+def test_one_side_alone_goes_on(tmp_path, monkeypatch):
+    scene = load_scene(tiny_coupled(tmp_path, end_time=0.02), [OFTEN, "output.frames=7", "output.probe_interval=1e-3"])
+    run_alone(scene, "tiny", "fluid", make_model, tmp_path / "whole", 1, True)
+    given = (scene, "tiny", "fluid", make_model, tmp_path / "cut", 1, True)
+    cut_short(monkeypatch, shared.solo.Record, "at", 10, run_alone, *given)
+    again, last = unfinished(tmp_path / "cut")
+    resume_alone(tmp_path / "cut", last, again, "fluid", make_model, 1, True)
+    same_output(tmp_path / "whole", tmp_path / "cut")
+
+
+def test_killed_run_goes_on_across_processes(tmp_path):
+    scene, out = tiny_coupled(tmp_path, end_time=0.1), tmp_path / "run"
+    sets = ["output.checkpoint_every=0.05", "output.frames=7", "output.probe_interval=1e-3"]
+    options = ["--threads", "fluid=1,solid=1", "--quiet", *(word for text in sets for word in ("--set", text))]
+    command = [sys.executable, "-m", "coupler", "run", str(scene), "--out"]
+    process = subprocess.Popen([*command, str(out), *options], stderr=subprocess.PIPE, text=True)
+    try:
+        deadline = time.monotonic() + 100.0
+        while not ((out / "probes.csv").exists() and (out / "probes.csv").read_text().count("\n") > 10):
+            assert process.poll() is None, process.communicate()[1]
+            assert time.monotonic() < deadline, "the run did not start"
+            time.sleep(0.05)
+    finally:
+        process.kill()
+        process.communicate()
+    assert not (out / "result.json").exists()
+    resume = [sys.executable, "-m", "coupler", "resume", str(out), "--quiet"]
+    subprocess.run(resume, check=True, timeout=100)
+    whole = [*command, str(tmp_path / "whole"), *options, "--link", "inprocess", "--set", "output.checkpoint_every=0"]
+    subprocess.run(whole, check=True, timeout=100)
+    same_output(tmp_path / "whole", out)
+    assert json.loads((out / "result.json").read_text())["status"] == "finished"
+    assert not (tmp_path / "whole" / "checkpoints").exists()
+    over = subprocess.run(resume, capture_output=True, text=True, timeout=100)
+    assert over.returncode == 2
+    assert "has finished" in over.stderr
+
+
+def sealed(checkpoints, window, value):
+    folder = checkpoints.begin(window)
+    write_state(folder / "side.h5", {"a/b": np.full(3, value), "c": np.array(7)})
+    checkpoints.seal(folder, window, 0.1 * window, {"case": "x"})
+    return folder
+
+
+def test_two_newest_are_kept_and_a_damaged_one_is_passed_over(tmp_path):
+    checkpoints = Checkpoints(tmp_path, 1e9)
+    assert checkpoints.due()  # at t = 0
+    folders = [sealed(checkpoints, window, float(window)) for window in (0, 5, 12)]
+    assert not checkpoints.due()
+    assert [folder.exists() for folder in folders] == [False, True, True]
+    assert newest(tmp_path).window == 12
+    state = read_state(newest(tmp_path).part("side"))
+    assert state["a/b"].tolist() == [12.0] * 3
+    with (folders[2] / "side.h5").open("r+b") as file:
+        file.seek(-1, os.SEEK_END)
+        file.write(b"?")
+    last = newest(tmp_path)
+    assert (last.window, last.time) == (5, 0.5)
+    checkpoints.begin(20)  # begun, never sealed
+    assert newest(tmp_path).window == 5
+    Checkpoints(tmp_path, 1e9, last)
+    assert [path.name for path in (tmp_path / "checkpoints").iterdir()] == [folders[1].name]
+
+
+def test_a_checkpoint_that_cannot_be_written_is_a_clear_error(tmp_path):
+    (tmp_path / "checkpoints").write_text("in the way")
+    with pytest.raises(ShearwaterError, match=r"cannot be written.*checkpoint_every=0"):
+        Checkpoints(tmp_path, 1.0).begin(0)
+    with pytest.raises(ShearwaterError, match="cannot be written"):
+        write_state(tmp_path / "nowhere" / "side.h5", {"a": np.zeros(1)})
+
+
+def test_what_cannot_go_on(tmp_path, monkeypatch):
+    with pytest.raises(BadInput, match=r"no case\.toml"):
+        unfinished(tmp_path)
+    run_coupled(piston("output.checkpoint_every=0"), "piston", tmp_path / "run", ONE, True, "inprocess")
+    with pytest.raises(BadInput, match="has finished"):
+        unfinished(tmp_path / "run")
+    (tmp_path / "run" / "result.json").unlink()
+    with pytest.raises(BadInput, match="no complete checkpoint"):
+        unfinished(tmp_path / "run")
+    monkeypatch.setattr("shared.checkpoint._PATIENCE_S", 0.2)
+    with claim(tmp_path / "run"), pytest.raises(BadInput, match="still going on"):
+        claim(tmp_path / "run")
+
+
+def test_probes_that_were_cut_say_so(tmp_path, monkeypatch):
+    given = (piston(OFTEN), "piston", tmp_path / "run", ONE, True, "inprocess")
+    cut_short(monkeypatch, coupler.run, "probes", 10, run_coupled, *given)
+    scene, last = unfinished(tmp_path / "run")
+    (tmp_path / "run" / "probes.csv").write_text("time\n")
+    with pytest.raises(BadInput, match="has 1 lines"):
+        resume_coupled(tmp_path / "run", last, scene, ONE, "inprocess", True)
