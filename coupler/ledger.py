@@ -11,6 +11,7 @@ Per window, with F̄ the mean forces, Δx the windows' displacements:
 
 from __future__ import annotations
 
+import math
 from pathlib import Path
 from typing import TextIO
 
@@ -103,30 +104,29 @@ class Ledger:
     def record(self, window: Window, outcome: Outcome) -> None:
         """One accepted window. Raises LedgerExceeded past a limit."""
         used, found, mapped = outcome.used, outcome.found, outcome.mapped
-        forces = [np.ones(len(loads.force)) @ loads.force for loads in (found, mapped, used)]
-        self._impulse_fluid += forces[0] * window.length
-        self._impulse_structure += forces[2] * window.length
+        given, passed, taken = (np.ones(len(loads.force)) @ loads.force for loads in (found, mapped, used))
+        self._impulse_fluid += given * window.length
+        self._impulse_structure += taken * window.length
         (points0, points1), (ghosts0, ghosts1) = outcome.points, outcome.ghosts
         self._work += float(np.vdot(used.force, points1.position - points0.position))
         self._work_fluid -= float(np.vdot(found.force, ghosts1.position - ghosts0.position))
         self._largest_work = max(self._largest_work, abs(self._work), abs(self._work_fluid))
-        self._largest_impulse = max(self._largest_impulse, float(np.hypot(*self._impulse_fluid)))
-        scale = float((np.ones(len(found.force)) @ np.abs(found.force)).sum())
-        if scale > 0.0:
-            self._mapping_error = max(self._mapping_error, float(np.abs(forces[0] - forces[1]).max()) / scale)
-        numbers = [window.t1, outcome.changes[-1], *(c for f in forces for c in f.tolist())]
+        self._largest_impulse = max(self._largest_impulse, math.hypot(*self._impulse_fluid))
+        scale = float(np.abs(found.force).sum())
+        lost = float(np.abs(given - passed).max())
+        self._mapping_error = max(self._mapping_error, lost / scale if scale > 0.0 else 0.0)
+        numbers = [*given.tolist(), *passed.tolist(), *taken.tolist()]
         numbers += [*self._impulse_fluid.tolist(), *self._impulse_structure.tolist()]
         numbers += [self._work, self._work_fluid, self._work + self._work_fluid]
-        texts = [repr(number) for number in numbers]
-        self._file.write(",".join([str(window.index), texts[0], str(len(outcome.changes)), *texts[1:]]) + "\n")
+        head = f"{window.index},{window.t1!r},{len(outcome.changes)},{outcome.changes[-1]!r},"
+        self._file.write(head + ",".join(map(repr, numbers)) + "\n")
         self._check(window)
 
     def _check(self, window: Window) -> None:
         """Energy and impulse count once they stay past their limits; force lost by the map counts at once."""
         found = {
             "energy": abs(self._work + self._work_fluid) / (self._largest_work or 1.0),
-            "impulse": float(np.hypot(*(self._impulse_structure - self._impulse_fluid)))
-            / (self._largest_impulse or 1.0),
+            "impulse": math.hypot(*(self._impulse_structure - self._impulse_fluid)) / (self._largest_impulse or 1.0),
             "mapping": self._mapping_error,
         }
         past = [name for name, value in found.items() if not value <= getattr(self._limits, name)]

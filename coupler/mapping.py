@@ -3,15 +3,20 @@
 Kinematics go x_g = H x_s: each row reproduces linear fields, hence rigid motion. Forces go F_s = Hᵀ F_g: total force,
 total moment and virtual work are kept exactly (Farhat, Lesoinne & Le Tallec, Comput. Methods Appl. Mech. Engrg. 157
 (1998) 95). Where a ghost coincides with a point, its row is that of the identity.
+
+Bodies are volumes here: a structure's points and a fluid's ghosts fill the body, and each ghost follows, and loads, the
+points nearest to it through the thickness. So a thin plate with water on both sides needs nothing special: the ghosts
+of either side load the points below that side, and their difference bends it; both sides move with the plate.
 """
 
 from __future__ import annotations
 
 import numpy as np
-from scipy.sparse import csr_matrix, diags_array, identity
+from scipy.sparse import csr_matrix, identity
 from scipy.spatial import cKDTree
 
-from shared.contract import EXCHANGE_FIELDS, BadInput, Description, Kinematics, Loads
+from shared.contract import BadInput, Description, Kinematics, Loads, exchange_fields
+from shared.jit import njit
 
 _COINCIDENT = 1e-9  # of the structure's spacing
 _SUPPORT = 2.1  # of the structure's spacing: radius of the fit round a ghost, a ring of two neighbours on a lattice
@@ -23,25 +28,59 @@ class Mapping:
 
     def __init__(self, matrix: csr_matrix, selection: np.ndarray):
         self.matrix, self.selection = matrix, selection
-        self._transposed = matrix.T.tocsr()
-        weight = np.abs(matrix).T.tocsr()
-        share = np.asarray(weight.sum(axis=1)).ravel()
-        self._mean = diags_array(1.0 / share).tocsr() @ weight
+        columns = matrix.T.tocsr()
+        share = np.asarray(np.abs(columns).sum(axis=1)).ravel()
+        self._rows, self._columns = _compressed(matrix), (*_compressed(columns), share)
         self._identity = matrix.shape[0] == matrix.shape[1] and (matrix != identity(matrix.shape[0])).nnz == 0
 
     def motion(self, motion: Kinematics) -> Kinematics:
         """Structure → fluid: kinematics of the ghosts."""
         if self._identity:
             return motion
-        names = EXCHANGE_FIELDS[Kinematics]
-        ghosts = self.matrix @ np.concatenate([getattr(motion, name) for name in names], axis=1)
-        return Kinematics(*(np.ascontiguousarray(ghosts[:, 2 * k : 2 * k + 2]) for k in range(len(names))))
+        return Kinematics(*_moved(*self._rows, *exchange_fields(motion).values()))
 
     def loads(self, loads: Loads) -> Loads:
         """Fluid → structure: forces by the transpose; pressures as the mean over the ghosts that a point serves."""
         if self._identity:
             return loads
-        return Loads(self._mean @ loads.pressure, self._transposed @ loads.force)
+        return Loads(*_loaded(*self._columns, loads.pressure, loads.force))
+
+
+def _compressed(matrix: csr_matrix) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Where each row's entries start, their columns and values; unsigned, which compiled loops read twice as fast."""
+    return matrix.indptr.astype(np.uint64), matrix.indices.astype(np.uint64), matrix.data
+
+
+@njit
+def _moved(start, column, weight, position, velocity, acceleration, velocity_mean, acceleration_mean):
+    """H times each of five fields (n, 2): (5, ghosts, 2). Row k of H has entries start[k] to start[k + 1]."""
+    moved = np.empty((5, len(start) - 1, 2))
+    fields = (position, velocity, acceleration, velocity_mean, acceleration_mean)
+    for n in range(5):
+        field, result = fields[n], moved[n]
+        for row in range(len(start) - 1):
+            x = y = 0.0
+            for k in range(start[row], start[row + 1]):
+                w, point = weight[k], column[k]
+                x += w * field[point, 0]
+                y += w * field[point, 1]
+            result[row, 0], result[row, 1] = x, y
+    return moved
+
+
+@njit
+def _loaded(start, ghost, weight, share, pressure, force):
+    """Hᵀ times the forces (k, 2), and the means of the pressures (k,) by the weights' sizes, which sum up to `share`."""
+    mean, total = np.empty(len(share)), np.empty((len(share), 2))
+    for point in range(len(share)):
+        p = x = y = 0.0
+        for k in range(start[point], start[point + 1]):
+            w, g = weight[k], ghost[k]
+            p += abs(w) * pressure[g]
+            x += w * force[g, 0]
+            y += w * force[g, 1]
+        mean[point], total[point, 0], total[point, 1] = p / share[point], x, y
+    return mean, total
 
 
 def build_mapping(structure: Description, fluid: Description) -> Mapping:

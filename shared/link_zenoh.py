@@ -94,13 +94,13 @@ class ZenohLink:
         self.name = name
         self._alive = alive
         self._stall_after = stall_after
-        self._replies: queue.Queue[bytes] = queue.Queue()
+        self._replies: queue.SimpleQueue[bytes] = queue.SimpleQueue()
         self._connected = threading.Event()
         self._gone = threading.Event()
         self._beat = (time.monotonic(), "")  # arrival of the last heartbeat, and its text
         self._progress = time.monotonic()  # when the text last changed
         self._entities = [
-            session.declare_subscriber(_key(run, name, "reply"), lambda s: self._replies.put(bytes(s.payload))),
+            session.declare_subscriber(_key(run, name, "reply"), lambda s: self._replies.put(s.payload.to_bytes())),
             session.declare_subscriber(_key(run, name, "heartbeat"), self._on_heartbeat),
             session.liveliness().declare_subscriber(_key(run, name, "alive"), self._on_liveliness, history=True),
         ]
@@ -177,7 +177,7 @@ def serve(
 
     `steps()` is sent as heartbeat.
     """
-    inbox: queue.Queue[bytes | None] = queue.Queue()
+    inbox: queue.SimpleQueue[bytes | None] = queue.SimpleQueue()
     try:
         session = zenoh.open(_config("client", "connect/endpoints", endpoint))
     except zenoh.ZError as error:
@@ -201,7 +201,7 @@ def serve(
                 with contextlib.suppress(zenoh.ZError):
                     heart.put(str(steps()))
 
-        requests = session.declare_subscriber(_key(run, name, "request"), lambda s: inbox.put(bytes(s.payload)))
+        requests = session.declare_subscriber(_key(run, name, "request"), lambda s: inbox.put(s.payload.to_bytes()))
         coupler = session.liveliness().declare_subscriber(_key(run, "coupler", "alive"), on_coupler, history=True)
         token = session.liveliness().declare_token(_key(run, name, "alive"))
         pulse = threading.Thread(target=beat, daemon=True)

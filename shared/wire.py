@@ -51,6 +51,7 @@ SIZE_LIMIT = 256 * 2**20
 """Largest message accepted, in bytes."""
 
 _DTYPES = {"<f8": np.dtype("<f8"), "<i8": np.dtype("<i8")}
+_PARTS = {"dtype", "shape", "data"}
 _KEYS = {
     "contract": int,
     "run": str,
@@ -120,9 +121,8 @@ def decode(data: bytes) -> Message:
         fits = isinstance(value, (int, float)) if kind is float else isinstance(value, kind)
         if not fits or isinstance(value, bool):
             raise BadMessage(f"message key {name!r} is {value!r}; a {kind.__name__} is needed")
-    unknown = set(packed) - set(_KEYS)
-    if unknown:
-        raise BadMessage(f"message has unknown keys {sorted(map(str, unknown))}")
+    if len(packed) > len(_KEYS):
+        raise BadMessage(f"message has unknown keys {sorted(map(str, packed.keys() - _KEYS.keys()))}")
     if not (math.isfinite(packed["t0"]) and math.isfinite(packed["t1"])):
         raise BadMessage(f"message times t0 = {packed['t0']}, t1 = {packed['t1']} are not finite")
     packed["fields"] = {name: _unpack_array(name, spec) for name, spec in packed["fields"].items()}
@@ -130,7 +130,7 @@ def decode(data: bytes) -> Message:
 
 
 def _unpack_array(name: Any, spec: Any) -> np.ndarray:
-    if not isinstance(name, str) or not isinstance(spec, dict) or set(spec) != {"dtype", "shape", "data"}:
+    if not isinstance(name, str) or not isinstance(spec, dict) or spec.keys() != _PARTS:
         raise BadMessage(f"field {name!r} is not a map of dtype, shape and data")
     dtype = _DTYPES.get(spec["dtype"]) if isinstance(spec["dtype"], str) else None
     if dtype is None:
@@ -141,8 +141,8 @@ def _unpack_array(name: Any, spec: Any) -> np.ndarray:
     if not isinstance(data, bytes) or len(data) != math.prod(shape) * dtype.itemsize:
         size = len(data) if isinstance(data, bytes) else type(data).__name__
         raise BadMessage(f"field {name!r}: shape {shape} of {spec['dtype']} does not fit data of {size} bytes")
-    array = np.frombuffer(data, dtype).reshape(shape)
-    flat = array.ravel()
+    flat = np.frombuffer(data, dtype)
+    array = flat if len(shape) == 1 else flat.reshape(shape)
     if dtype.kind == "f" and not math.isfinite(flat @ flat):  # quick, and not finite for huge values too
         bad = int(np.count_nonzero(~np.isfinite(array)))
         if bad:
