@@ -70,7 +70,7 @@ def _moved(start, column, weight, position, velocity, acceleration, velocity_mea
 
 @njit
 def _loaded(start, ghost, weight, share, pressure, force):
-    """Hᵀ times the forces (k, 2), and the means of the pressures (k,) by the weights' sizes, which sum up to `share`."""
+    """Hᵀ times forces (k, 2), and means of pressures (k,) by the sizes of the weights, which sum up to `share`."""
     mean, total = np.empty(len(share)), np.empty((len(share), 2))
     for point in range(len(share)):
         p = x = y = 0.0
