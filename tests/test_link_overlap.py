@@ -1,0 +1,95 @@
+"""Two participants over zenoh at once: parallel schemes overlap them, and whoever waits costs no processor time."""
+
+from __future__ import annotations
+
+import contextlib
+import threading
+import time
+
+import pytest
+
+from coupler.choice import make_taker
+from coupler.mapping import build_mapping
+from coupler.prediction import Predictor
+from coupler.remote import Remote
+from coupler.schemes import Coupled
+from coupler.window import Plan
+from shared.clock import Clock
+from shared.link_zenoh import ZenohLink, listening, serve
+from shared.participant import Participant
+from shared.schema_coupling import Coupling
+from shared.service import Service
+
+WINDOWS = 3
+WORK = {"fluid": 0.2, "solid": 0.3}
+"""What a window takes each side [s]."""
+
+
+@contextlib.contextmanager
+def working_sides(models):
+    """Remotes of both models, each served in a thread of its own and asleep for its share of every window."""
+    threads = []
+    with listening("run") as (session, endpoint):
+        remotes = {}
+        for name, model in models.items():
+            advance = model.advance
+
+            def slowly(*window, name=name, advance=advance):
+                time.sleep(WORK[name])
+                return advance(*window)
+
+            model.advance = slowly
+            participant = Participant(model, name)
+            handle, steps = Service(participant, "run").handle, participant.model.steps
+            served = endpoint, "run", name, handle, lambda p=participant: p.finished, steps
+            threads.append(threading.Thread(target=serve, args=served))
+            threads[-1].start()
+            link = ZenohLink(session, "run", name, lambda: None, stall_after=20.0)
+            link.wait_connected(10.0)
+            remotes[name] = Remote(link, "run", name)
+        yield remotes
+        for remote in remotes.values():
+            remote.finish()
+        for thread in threads:
+            thread.join(10.0)
+
+
+def started(remotes, clock) -> Coupled:
+    """Both sides at t = 0."""
+    fluid, solid = remotes["fluid"], remotes["solid"]
+    mapping = build_mapping(solid.describe(), fluid.describe())
+    options = {"rollback": True, "frames": 1, "probe_rows": 1}
+    points, _ = solid.start(clock, mapping.selection, **options)
+    ghosts = mapping.motion(points)
+    loads, _ = fluid.start(clock, range(mapping.matrix.shape[0]), ghosts, **options)
+    return Coupled(fluid, solid, mapping, points, ghosts, Predictor(0, mapping.loads(loads)), Predictor(0, points))
+
+
+@pytest.mark.timeout(90)
+@pytest.mark.parametrize("scheme", ["serial-explicit", "parallel-explicit", "parallel-implicit"])
+def test_a_window_takes_the_sum_in_turn_and_the_longer_side_at_once(toy_spring, toy_weight, scheme):
+    coupling = Coupling(scheme=scheme, max_iterations=2, on_cap="accept")
+    clock = Clock(0.3, WINDOWS + 1)
+    take = make_taker(Plan(scheme, "iqn-ils", clock.window_length), coupling)
+    with working_sides({"fluid": toy_weight(3.0, 2.0), "solid": toy_spring()}) as remotes:
+        c = started(remotes, clock)
+        take(c, clock.window(0))
+        begun = time.perf_counter()
+        evaluations = sum(len(take(c, clock.window(k)).changes) for k in range(1, WINDOWS + 1))
+        spent = (time.perf_counter() - begun) / evaluations
+    expected = sum(WORK.values()) if scheme.startswith("serial") else max(WORK.values())
+    assert expected <= spent < expected + 0.1
+
+
+@pytest.mark.timeout(60)
+def test_waiting_costs_no_processor_time(toy_spring, toy_weight):
+    """One side works (asleep here), the coupler and the other side wait: all three, and zenoh, in this process."""
+    clock = Clock(0.3, WINDOWS)
+    with working_sides({"fluid": toy_weight(), "solid": toy_spring()}) as remotes:
+        c = started(remotes, clock)
+        begun, used = time.perf_counter(), time.process_time()
+        for k in range(WINDOWS):
+            c.structure.advance(clock.window(k), c.loads.predict(clock.window(k)), final=True)
+        spent, used = time.perf_counter() - begun, time.process_time() - used
+    assert spent >= WINDOWS * WORK["solid"]
+    assert used < 0.1 * spent
