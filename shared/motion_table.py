@@ -26,3 +26,7 @@ class MotionTable:
         for order in orders:
             result[order] = self._curve(min(time, self._end), order)
         return result
+
+    def displacements(self, times: np.ndarray) -> np.ndarray:
+        """Displacement x, y [m] and angle [rad], (k, 3), at `times` (k,) [s]."""
+        return self._curve(np.minimum(times, self._end))

@@ -93,8 +93,8 @@ def _moving_clamps(scene: Scene) -> Iterator[str]:
         if clamp.motion is None:
             continue
         path = f"solid.clamps[{i}].motion"
-        if solid.model != "ctvf":
-            yield f"{path}: is for model ctvf, not for model {solid.model}"
+        if solid.model in RIGID_MODELS:
+            yield f"{path}: bodies of model {solid.model} have no clamps that move; use solid.motion with model rigid"
         shift, angle = clamp.motion.translation, clamp.motion.rotation
         if (shift and tuple(shift[0]) != (0.0, 0.0)) or (angle and angle[0] != 0.0):
             yield f"{path}: starts displaced, which would tear the body; begin with translation (0, 0) and rotation 0"

@@ -295,7 +295,7 @@ class Clamp(Table):
     face: str = key(
         about=("left, right, bottom, top (in the body's own frame before rotation), or edge-N of a polygon (N from 0)")
     )
-    motion: Motion | None = key(None, about="prescribed motion of the held face; absent: fixed")
+    motion: Motion | None = key(None, about="prescribed motion of the held face, from rest in its place; absent: fixed")
 
 
 class TimeTable(Table):

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from shared.contract import BadInput
-from shared.schema import Load, Scene, Solid
+from shared.schema import Load, Motion, Scene, Solid
 from solid_solver.filled import FilledBody
 from solid_solver.loads import Schedule, schedule
 
@@ -25,7 +25,8 @@ _SIDES = {"left": (0, -1.0), "right": (0, 1.0), "bottom": (1, -1.0), "top": (1, 
 @dataclass(frozen=True)
 class Beam:
     """A body as a beam. `axes` (2, 2): rows along the axis and along the section's normal, a quarter turn on; `origin`
-    (2,) [m]: its first node; `h` [m]: element length; `free` (n + 1,): nodes not clamped; `mass` (n + 1, 3): lumped
+    (2,) [m]: its first node; `h` [m]: element length; `free` (n + 1,): nodes not clamped; `motions`: what moves the
+    clamps of the first and the last node, None if they stand still; `mass` (n + 1, 3): lumped
     mass [kg/m] twice and rotary inertia [kg m] per node; `stiffness`: EA, GA*, EI per metre of depth; `element` (m,)
     and `offset` (m,) [m]: of its points."""
 
@@ -35,6 +36,7 @@ class Beam:
     thickness: float
     h: float
     free: np.ndarray
+    motions: tuple[Motion | None, Motion | None]
     mass: np.ndarray
     stiffness: tuple[float, float, float]
     element: np.ndarray
@@ -62,7 +64,7 @@ def make_beam(scene: Scene, body: FilledBody) -> Beam:
     h = length / count
     axes = np.array([body.axes[axis], [-body.axes[axis][1], body.axes[axis][0]]])
     origin = body.position.mean(axis=0) - 0.5 * length * axes[0]
-    free = np.ones(count + 1, dtype=np.bool_)
+    free, motions = np.ones(count + 1, dtype=np.bool_), [None, None]
     for clamp in (c for c in solid.clamps if c.body == body.shape.name):
         normal, sense = _SIDES[clamp.face]
         if normal != axis:
@@ -71,13 +73,14 @@ def make_beam(scene: Scene, body: FilledBody) -> Beam:
                 "only; clamp a short face, or use total-lagrangian."
             )
         free[0 if sense < 0.0 else -1] = False
+        motions[0 if sense < 0.0 else 1] = clamp.motion
     share = np.full(count + 1, h)
     share[[0, -1]] *= 0.5
     mass = solid.density * np.outer(share, [thickness, thickness, thickness**3 / 12.0])
     along, offset = axes @ (body.position - origin).T
     element = (along / h).astype(np.int64)
     section = _section(solid, thickness, h)
-    return Beam(body, axes, length, thickness, h, free, mass, section, element, offset, origin)
+    return Beam(body, axes, length, thickness, h, free, tuple(motions), mass, section, element, offset, origin)
 
 
 def _section(solid: Solid, thickness: float, h: float) -> tuple[float, float, float]:

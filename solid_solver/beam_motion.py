@@ -6,11 +6,12 @@ import numpy as np
 
 from shared.schema import Scene
 from solid_solver.beam_element import energies, strain_rates, strains
+from solid_solver.beam_ends import BeamEnds
 from solid_solver.beam_geometry import Beam, beam_loads
 from solid_solver.beam_points import TERMS, add_forces, sections, spread
 from solid_solver.beam_sweeps import steps
-from solid_solver.filled import share_table
 from solid_solver.initial import start_rotation, start_velocity
+from solid_solver.loads import share_table
 from solid_solver.stresses import stress_fields
 
 _MIDDLE = 0.5  # published points stand at the middle of their elements
@@ -29,7 +30,8 @@ class MovingBeam:
         nodes = beam.origin + np.outer(beam.h * np.arange(count), beam.axes[0])
         self.v[:, :2] = start_velocity(solid, shape, nodes, beam.body.position.mean(axis=0)) @ beam.axes.T
         self.v[:, 2] = start_rotation(solid, shape, nodes)
-        self.v[~beam.free] = 0.0
+        self._ends = BeamEnds(beam)
+        self.v[~beam.free] = self._ends.at(np.zeros(1))[0, :, 1][~beam.free[[0, -1]]]
         strain_rates(self.q, self.v, beam.h, self.rate)
         force = self._steady[0] / beam.mass[:, :2] - self.eta * self.v[:, :2]
         self.a[beam.free, :2] = force[beam.free]
@@ -48,9 +50,10 @@ class MovingBeam:
         if force is not None:
             load = load[0].copy(), load[1].copy()
             add_forces(force, beam.element, beam.offset, beam.h, beam.axes, *load)
+        ends = self._ends.at(middles + 0.5 * dt)
         shares, state = share_table(self._schedules, middles), (self.q, self.v, self.a, self.rate, self.book)
         section = beam.mass, beam.h, beam.stiffness
-        return steps(state, beam.free, *section, self.eta, dt, load, self._scheduled, shares) > 0
+        return steps(state, (beam.free, ends), *section, self.eta, dt, load, self._scheduled, shares) > 0
 
     def points(self) -> np.ndarray:
         """Displacement, velocity and acceleration of the published points, (3, m, 2)."""

@@ -11,7 +11,8 @@ of characteristic polynomials λ² − λ and λ(λ + 1)/2 + D (λ − 1)², whi
 
 Symbols: `q`, `v` as there, `a` (n + 1, 3) the last step's Δv/Δt, `rate` (n, 3) the last step's Δε/Δt, `book` (3,) the
 work of the loads so far, and the clamps' force in the last step, M Δv/Δt + η M Δq/Δt less the loads. A load is a pair:
-forces at the nodes (n + 1, 2) and `couple` (n, 4) of the elements.
+forces at the nodes (n + 1, 2) and `couple` (n, 4) of the elements. Clamped nodes go where `ends` has them: (2, 2, 3), q
+and v of the first and the last node after the step.
 """
 
 from __future__ import annotations
@@ -74,7 +75,7 @@ def solve(blocks, right):
 
 @njit
 def _assemble(q0, q1, v, a, strain0, rate, free, mass, h, stiffness, eta, dt, node, couple, system):
-    """Residual and tangent of a step's equations at the trial end `q1`, into `system`; clamped nodes stay."""
+    """Residual and tangent of a step's equations at the trial end `q1`, into `system`; clamped nodes stay in it."""
     residual, blocks = system
     force, tangent = np.zeros(4), np.zeros((4, 4))
     blend = 0.5 + DISSIPATION
@@ -116,7 +117,7 @@ def _keep_book(q, q1, v, a, dt, mass, eta, node, couple, book):
 
 
 @njit
-def _one_step(state, free, mass, h, stiffness, eta, dt, load, work):
+def _one_step(state, free, ends, mass, h, stiffness, eta, dt, load, work):
     """Advance q, v, a, rate, book by `dt` under a constant load; the number of Newton iterations, or 0 where they
     do not converge, or only to a beam torn or crushed."""
     q, v, a, rate, book = state
@@ -125,7 +126,7 @@ def _one_step(state, free, mass, h, stiffness, eta, dt, load, work):
     strains(q, h, strain0)
     for k in range(len(q)):
         for i in range(3):
-            q1[k, i] = q[k, i] + dt * (v[k, i] + 0.5 * dt * a[k, i]) if free[k] else q[k, i]
+            q1[k, i] = q[k, i] + dt * (v[k, i] + 0.5 * dt * a[k, i]) if free[k] else ends[min(k, 1), 0, i]
     length, thickness = h * len(strain0), math.sqrt(12.0 * stiffness[2] / stiffness[0])
     iterations = 0
     for _ in range(MOST_ITERATIONS):
@@ -148,6 +149,8 @@ def _one_step(state, free, mass, h, stiffness, eta, dt, load, work):
     for k in range(len(q)):
         for i in range(3):
             gain = ((q1[k, i] - q[k, i]) / dt - v[k, i] + DISSIPATION * dt * a[k, i]) / (0.5 + DISSIPATION)
+            if not free[k]:
+                gain = ends[min(k, 1), 1, i] - v[k, i]
             v[k, i] += gain
             a[k, i] = gain / dt
     _keep_book(q, q1, v, a, dt, mass, eta, node, couple, book)
@@ -162,11 +165,14 @@ def _one_step(state, free, mass, h, stiffness, eta, dt, load, work):
 
 
 @njit
-def steps(state, free, mass, h, stiffness, eta, dt, steady, ramped, shares):
+def steps(state, clamps, mass, h, stiffness, eta, dt, steady, ramped, shares):
     """Take one step of `dt` [s] per row of `shares` (m, g), each under steady + Σ share · ramped loads.
+
+    `clamps`: which nodes are free (n + 1,), and where the others are after each step (m, 2, 2, 3).
 
     Returns the number of Newton iterations, or 0 where a step failed.
     """
+    free, ends = clamps
     count = len(state[0])
     work = (
         np.empty((count, 3)),
@@ -182,7 +188,7 @@ def steps(state, free, mass, h, stiffness, eta, dt, steady, ramped, shares):
         for g in range(shares.shape[1]):
             node += shares[m, g] * ramped[0][g]
             couple += shares[m, g] * ramped[1][g]
-        iterations = _one_step(state, free, mass, h, stiffness, eta, dt, (node, couple), work)
+        iterations = _one_step(state, free, ends[m], mass, h, stiffness, eta, dt, (node, couple), work)
         if iterations == 0:
             return 0
         total += iterations

@@ -13,8 +13,10 @@ from scipy.spatial import cKDTree
 from shared.contract import BadInput
 from shared.geometry import Particles, faces, fill
 from shared.kernels import kernel_named
+from shared.motion_table import MotionTable
 from shared.schema import Scene, SolidBody
 from solid_solver.clamps import FACE_POINT_WEIGHT, face_points
+from solid_solver.held import FIELDS, MovingClamp
 from solid_solver.quadratic_fit import Fit, basis, basis_slope, quadratic_fit
 from solid_solver.stencil import fast_axis_first
 
@@ -26,7 +28,8 @@ _TIE = 1.0e-6  # relative: particles this equally near to a point share in its v
 class LatticeBody:
     """One body. `shape`: its table in the scene; `first`: number of its first particle among all bodies';
     `position` (n, 2) [m], `index` (n, 2) whole numbers, `spacing` (2,) [m], `axes` (2, 2) unit vectors by row,
-    `origin` (2,): index = axes · position / spacing − origin; `clamped` (m, 2): fixed points [index units]."""
+    `origin` (2,): index = axes · position / spacing − origin; `clamped` (m, 2): held points [index units]; `moving`:
+    the clamps that follow a motion table."""
 
     shape: SolidBody
     first: int
@@ -36,6 +39,7 @@ class LatticeBody:
     axes: np.ndarray
     origin: np.ndarray
     clamped: np.ndarray
+    moving: tuple[MovingClamp, ...]
     fit: Fit
 
     @property
@@ -65,26 +69,38 @@ class LatticeBody:
 
         With `along` (m, 2), unit vectors: weights of the derivative in their direction [1/m]. Returns rows (the point),
         columns (particle number among all bodies'), weights. From the quadratic fit about the nearest particle, or the
-        mean of those equally near; exact for quadratic fields, also on faces.
+        mean of those equally near; exact for quadratic fields, also on faces. What clamps in motion add:
+        `held_weights`.
         """
+        number = {tuple(i): k for k, i in enumerate(self.index)}
+        rows, columns, weights = [], [], []
+        for m, a, share, p in self._fits_about(points, along):
+            w = self.fit.coefficient[a] @ p
+            if along is None:
+                w[np.all(self.fit.offset == 0, axis=1)] += 1.0
+            for k in np.flatnonzero(w):
+                rows.append(m)
+                columns.append(self.first + number[tuple(self.index[a] + self.fit.offset[k])])
+                weights.append(w[k] * share)
+        return np.array(rows), np.array(columns), np.array(weights)
+
+    def held_weights(self, points: np.ndarray, along: np.ndarray | None = None) -> np.ndarray:
+        """Weights (m, 3 clamps) of the fields of clamps in motion at `points` (m, 2) [m], as in `point_weights`."""
+        result = np.zeros((len(points), self.fit.held.shape[1]))
+        for m, a, share, p in self._fits_about(points, along):
+            result[m] += share * (self.fit.held[a] @ p)
+        return result
+
+    def _fits_about(self, points: np.ndarray, along: np.ndarray | None):
+        """For each point the particles nearest to it: (point, particle, share in the mean, p or its slope there)."""
         towards = None if along is None else along @ self.axes.T / self.spacing
         at = self.to_index(points)
         tree = cKDTree(self.index.astype(float))
-        nearest, _ = tree.query(at)
-        number = {tuple(i): k for k, i in enumerate(self.index)}
-        rows, columns, weights = [], [], []
-        for m, near in enumerate(nearest):
+        for m, near in enumerate(tree.query(at)[0]):
             owners = sorted(tree.query_ball_point(at[m], near * (1.0 + _TIE) + _TIE))
             for a in owners:
                 s = at[m] - self.index[a]
-                w = self.fit.coefficient[a] @ (basis(s) if along is None else basis_slope(s, towards[m]))
-                if along is None:
-                    w[np.all(self.fit.offset == 0, axis=1)] += 1.0
-                for k in np.flatnonzero(w):
-                    rows.append(m)
-                    columns.append(self.first + number[tuple(self.index[a] + self.fit.offset[k])])
-                    weights.append(w[k] / len(owners))
-        return np.array(rows), np.array(columns), np.array(weights)
+                yield m, a, 1.0 / len(owners), basis(s) if along is None else basis_slope(s, towards[m])
 
 
 def nearest_gap(place: np.ndarray, spacing: np.ndarray) -> float:
@@ -102,18 +118,30 @@ def _lattice(particles: Particles) -> tuple[np.ndarray, ...]:
     return index[:, order], spacing[order], axes[order], origin[order]
 
 
+def _held_points(scene: Scene, shape: SolidBody, axes: np.ndarray, spacing: np.ndarray):
+    """Points (m, 2) [m] on the clamped faces of a body, the fields (m, 3 clamps) that they move in, those clamps."""
+    outline, points, moving, owner = faces(shape), [np.zeros((0, 2))], [], []
+    for clamp in (c for c in scene.solid.clamps if c.body == shape.name):
+        on_face = face_points(outline[clamp.face], axes, spacing)[0]
+        points.append(on_face)
+        if clamp.motion is not None:
+            owner.append(len(points) - 1)
+            moving.append(MovingClamp(MotionTable(clamp.motion), on_face.mean(axis=0)))
+    fields = [np.zeros((len(group), FIELDS * len(moving))) for group in points]
+    for k, clamp in enumerate(moving):
+        fields[owner[k]][:, FIELDS * k : FIELDS * (k + 1)] = clamp.fields(points[owner[k]])
+    return np.concatenate(points), np.concatenate(fields), tuple(moving)
+
+
 def _lattice_body(scene: Scene, shape: SolidBody, first: int) -> LatticeBody:
     solid = scene.solid
     particles = fill(shape, solid.dx)
     if len(particles.position) == 0:
         raise BadInput(f"Body '{shape.name}' holds no particle at solid.dx = {solid.dx:g} m; make solid.dx smaller.")
     index, spacing, axes, origin = _lattice(particles)
-    held = [c.face for c in solid.clamps if c.body == shape.name]
-    outline = faces(shape)
-    points = [face_points(outline[name], axes, spacing)[0] for name in held]
-    fixed = np.concatenate([np.zeros((0, 2)), *points])
-    fixed = np.unique(np.round(fixed @ axes.T / spacing - origin, _ROUNDING), axis=0)
-    fit = quadratic_fit(kernel_named(solid.kernel), solid.h_over_dx, index, fixed, FACE_POINT_WEIGHT)
+    fixed, fields, moving = _held_points(scene, shape, axes, spacing)
+    fixed, once = np.unique(np.round(fixed @ axes.T / spacing - origin, _ROUNDING), axis=0, return_index=True)
+    fit = quadratic_fit(kernel_named(solid.kernel), solid.h_over_dx, index, fixed, FACE_POINT_WEIGHT, fields[once])
     if fit.deficient.any():
         where = particles.position[np.argmax(fit.deficient)]
         raise BadInput(
@@ -121,7 +149,7 @@ def _lattice_body(scene: Scene, shape: SolidBody, first: int) -> LatticeBody:
             f"need three or more particles across, and solid.dx is {solid.dx:g} m. "
             f"Make solid.dx at most a third of the thickness."
         )
-    return LatticeBody(shape, first, particles.position, index, spacing, axes, origin, fixed, fit)
+    return LatticeBody(shape, first, particles.position, index, spacing, axes, origin, fixed, moving, fit)
 
 
 def lattice_bodies(scene: Scene) -> list[LatticeBody]:

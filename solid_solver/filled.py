@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from functools import partial
 
@@ -11,7 +11,6 @@ import numpy as np
 from shared.contract import BadInput
 from shared.geometry import fill
 from shared.schema import Scene, SolidBody
-from solid_solver.loads import Schedule
 
 
 @dataclass(frozen=True)
@@ -74,8 +73,3 @@ def body_probes(
 def largest_speed(velocity: np.ndarray) -> float:
     """Largest of the speeds [m/s] of points with `velocity` (n, 2)."""
     return float(np.sqrt(np.max(np.sum(velocity**2, axis=1))))
-
-
-def share_table(schedules: Sequence[Schedule], times: np.ndarray) -> np.ndarray:
-    """Factors (m, g) of loads with `schedules` at `times` (m,) [s]."""
-    return np.array([s.shares(times) for s in schedules]).reshape(len(schedules), len(times)).T.copy()

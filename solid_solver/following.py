@@ -16,6 +16,7 @@ from shared.geometry import faces
 from shared.schema import Load
 from solid_solver.bodies import LatticeBody
 from solid_solver.clamps import face_points
+from solid_solver.held import MovingClamp, sizes
 
 
 @dataclass(frozen=True)
@@ -23,31 +24,33 @@ class FollowingLoad:
     """One following traction on a face of body number `body`.
 
     `values`, `slopes` (m, n): weights that give the displacement of the face's m points, and its derivative along the
-    face; `tangent` (m, 2): t0; `along`, `outward` (m,): τ and σ times the length of each point [N/m]; `mass` [kg/m] of
-    a particle.
+    face, to which its `moving` clamps add by `held` (m, g); `tangent` (m, 2): t0; `along`, `outward` (m,): τ and σ
+    times the length of each point [N/m]; `mass` [kg/m] of a particle.
     """
 
     body: int
     values: csr_array
     slopes: csr_array
+    held: np.ndarray
+    moving: tuple[MovingClamp, ...]
     tangent: np.ndarray
     along: np.ndarray
     outward: np.ndarray
     mass: float
 
-    def forces(self, displacement: np.ndarray) -> np.ndarray:
-        """Forces (m, 2) [N/m] on the face's points under a displacement (n, 2) [m] of the particles."""
-        t = self.tangent + self.slopes @ displacement
+    def forces(self, displacement: np.ndarray, time: float) -> np.ndarray:
+        """Forces (m, 2) [N/m] on the face's points under a displacement (n, 2) [m] of the particles at `time` [s]."""
+        t = self.tangent + self.slopes @ displacement + self.held @ sizes(self.moving, np.array([time]))[0]
         normal = np.stack([t[:, 1], -t[:, 0]], axis=1)
         return self.along[:, None] * t + self.outward[:, None] * normal
 
-    def acceleration(self, displacement: np.ndarray) -> np.ndarray:
+    def acceleration(self, displacement: np.ndarray, time: float) -> np.ndarray:
         """Acceleration (n, 2) [m/s²] of the particles."""
-        return self.values.T @ self.forces(displacement) / self.mass
+        return self.values.T @ self.forces(displacement, time) / self.mass
 
-    def on_clamps(self, displacement: np.ndarray) -> np.ndarray:
+    def on_clamps(self, displacement: np.ndarray, time: float) -> np.ndarray:
         """Force (2,) [N/m] that goes to clamped faces directly."""
-        forces = self.forces(displacement)
+        forces = self.forces(displacement, time)
         return forces.sum(axis=0) - (self.values.T @ forces).sum(axis=0)
 
 
@@ -72,6 +75,8 @@ def following_load(load: Load, number: int, body: LatticeBody, count: int, densi
         number,
         values,
         slopes,
+        body.held_weights(points, tangent),
+        body.moving,
         tangent,
         lengths * (tangent @ traction),
         lengths * (outward @ traction),

@@ -10,6 +10,7 @@ from shared.contract import Description, Kinematics
 from shared.geometry import own_box
 from shared.schema import Scene, Solid
 from solid_solver.bodies import LatticeBody
+from solid_solver.filled import FilledBody
 
 
 def lame(solid: Solid) -> tuple[float, float]:
@@ -60,6 +61,26 @@ def describe(scene: Scene, bodies: list[LatticeBody], stable_step: float) -> Des
             "wave_speed": wave_speed(solid),
             "youngs_modulus": solid.youngs_modulus,
             "poisson_ratio": solid.poisson_ratio,
+            "spacing_min": min(float(b.spacing.min()) for b in bodies),
+        },
+    )
+
+
+def describe_rigid(scene: Scene, bodies: list[FilledBody], stable_step: float) -> Description:
+    """The structure's description: the points of the particle lattice."""
+    solid = scene.solid
+    return Description(
+        name="solid",
+        role="structure",
+        model=solid.model,
+        stable_step=stable_step,
+        spacing=solid.dx,
+        position=np.concatenate([b.position for b in bodies]),
+        volume=np.concatenate([np.full(len(b.position), b.cell) for b in bodies]),
+        body=np.concatenate([np.full(len(b.position), k) for k, b in enumerate(bodies)]),
+        numbers={
+            "density": solid.density,
+            "thickness": thickness(scene),
             "spacing_min": min(float(b.spacing.min()) for b in bodies),
         },
     )

@@ -3,14 +3,15 @@
 Symbols: u, v, a displacement, velocity, acceleration; D_i = (∂0, ∂1, ∂00, ∂01, ∂11) u_i along the lattice's own axes;
 energy and stress as in strain_gradient.py. The force on a particle is minus the derivative of the summed energy: the
 transpose of the fit applied to the energy's derivatives by D. Fields over the padded slots are kept as planes:
-(2, slots) vectors, (10, slots) stresses.
+(2, slots) vectors, (10, slots) stresses. Clamps in motion add to D what stencil.py's `Driven` says, times the present
+`sizes` (g, 2) of their fields.
 """
 
 from __future__ import annotations
 
 from numba import prange
 
-from shared.jit import njit, parallel_njit
+from shared.jit import inline_njit, njit, parallel_njit
 from solid_solver.stencil import RUN
 from solid_solver.strain_gradient import stresses
 
@@ -79,6 +80,18 @@ def _derivatives(d, u, s, count, first, last, distance, coefficient):
             d[l + 9 * RUN] += a4 * f + b4 * g + c4 * h
 
 
+@inline_njit
+def _add_driven(d, n, driven, sizes):
+    """Add to D in `d` what clamps in motion contribute to run `n`."""
+    first, place, field, weight = driven
+    for k in range(first[n], first[n + 1]):
+        l = place[k]
+        ux, uy = sizes[field[k], 0], sizes[field[k], 1]
+        for c in range(5):
+            d[l + c * RUN] += weight[k, c] * ux
+            d[l + (5 + c) * RUN] += weight[k, c] * uy
+
+
 @njit
 def _forces(f, stress, s, count, first, last, distance, coefficient):
     """Force per volume of `count` particles from slot `s` on, into f[l] (x) and f[l + RUN] (y)."""
@@ -106,12 +119,13 @@ def _forces(f, stress, s, count, first, last, distance, coefficient):
 
 
 @njit
-def _stress_of_chunk(chunk, u, stress, strain, d, forward, axes, moment, lam, mu, tau):
+def _stress_of_chunk(chunk, u, stress, strain, d, forward, driven, sizes, axes, moment, lam, mu, tau):
     """Stresses of the runs of one chunk."""
     run, bound, first, distance, coefficient = forward
     for n in range(bound[chunk], bound[chunk + 1]):
         s, count, c, body = run[n, 0], run[n, 1], run[n, 2], run[n, 3]
         _derivatives(d, u, s, count, first[c], first[c + 1], distance, coefficient)
+        _add_driven(d, n, driven, sizes)
         stresses(d, count, strain, s, axes[body], moment[body], lam, mu, tau)
         for plane in range(SUMS):
             for l in range(count):
@@ -143,18 +157,19 @@ def _motion_of_chunk(chunk, u, v, a, stress, f, transposed, load, ramped, share,
 
 
 @parallel_njit
-def steps(now, planes, gathers, axes, moment, material, loads, kicks, dt):
+def steps(now, planes, gathers, clamps, axes, moment, material, loads, kicks, dt):
     """Advance by `shares.shape[0]` steps of `dt` [s]: stress sweep, then force, kick and drift, for each.
 
     On entry u has drifted and v stands half a step behind it; on return v is complete at u's time. `now`: u, v, a;
     `planes`: stress (10, slots), strain (9, slots), scratch (chunks, SCRATCH); `gathers`: forward, transposed of
-    stencil.py; `material`: λ, μ [Pa], ρ [kg/m³], and the viscosity's τ over dt; `loads`: steady (2, slots), ramped
-    (g, 2, slots), shares (steps, g); `kicks` (2, 2): factors (e, τφ) of a whole and of a half step, the half for the
-    last.
+    stencil.py; `clamps`: its driven entries, and the sizes of their fields after each step (steps, g, 2); `material`:
+    λ, μ [Pa], ρ [kg/m³], and the viscosity's τ over dt; `loads`: steady (2, slots), ramped (g, 2, slots), shares
+    (steps, g); `kicks` (2, 2): factors (e, τφ) of a whole and of a half step, the half for the last.
     """
     u, v, a = now
     stress, strain, scratch = planes
     forward, transposed = gathers
+    driven, sizes = clamps
     lam, mu, density, tau = material
     load, ramped, shares = loads
     count = shares.shape[0]
@@ -164,24 +179,25 @@ def steps(now, planes, gathers, axes, moment, material, loads, kicks, dt):
         drift = 0.0 if last else dt
         share = shares[n]
         for c in prange(forward[1].size - 1):
-            _stress_of_chunk(c, u, stress, strain, scratch[c], forward, axes, moment, lam, mu, tau)
+            _stress_of_chunk(c, u, stress, strain, scratch[c], forward, driven, sizes[n], axes, moment, lam, mu, tau)
         for c in prange(transposed[1].size - 1):
             _motion_of_chunk(c, u, v, a, stress, scratch[c], transposed, load, ramped, share, kick, drift, density)
 
 
 @njit
-def _derivatives_of_chunk(chunk, u, planes, d, forward):
+def _derivatives_of_chunk(chunk, u, planes, d, forward, driven, sizes):
     run, bound, first, distance, coefficient = forward
     for n in range(bound[chunk], bound[chunk + 1]):
         s, count, c = run[n, 0], run[n, 1], run[n, 2]
         _derivatives(d, u, s, count, first[c], first[c + 1], distance, coefficient)
+        _add_driven(d, n, driven, sizes)
         for plane in range(SUMS):
             for l in range(count):
                 planes[plane, s + l] = d[plane * RUN + l]
 
 
 @parallel_njit
-def derivative_sweep(u, planes, scratch, forward):
-    """D of displacements `u` at every particle into `planes` (10, slots)."""
+def derivative_sweep(u, planes, scratch, forward, driven, sizes):
+    """D of displacements `u` at every particle into `planes` (10, slots); `sizes` (g, 2) of the clamps' fields."""
     for c in prange(forward[1].size - 1):
-        _derivatives_of_chunk(c, u, planes, scratch[c], forward)
+        _derivatives_of_chunk(c, u, planes, scratch[c], forward, driven, sizes)

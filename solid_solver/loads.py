@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -44,6 +45,11 @@ def schedule(load: Load) -> Schedule:
     return Schedule(ramp=load.ramp)
 
 
+def share_table(schedules: Sequence[Schedule], times: np.ndarray) -> np.ndarray:
+    """Factors (m, g) of loads with `schedules` at `times` (m,) [s]."""
+    return np.array([s.shares(times) for s in schedules]).reshape(len(schedules), len(times)).T.copy()
+
+
 @dataclass(frozen=True)
 class ScheduledLoads:
     """`steady` (n, 2) [m/s²], on from t = 0; `ramped` (g, n, 2) [m/s²] times their `schedules`' factors.
@@ -60,7 +66,7 @@ class ScheduledLoads:
 
     def shares(self, times: np.ndarray) -> np.ndarray:
         """Factors (m, g) of the ramped loads at `times` (m,) [s]."""
-        return np.array([s.shares(times) for s in self.schedules]).reshape(len(self.schedules), len(times)).T.copy()
+        return share_table(self.schedules, times)
 
     def at(self, time: float) -> np.ndarray:
         """Acceleration (n, 2) [m/s²] by all loads of the undeformed bodies at `time` [s]."""
@@ -71,14 +77,14 @@ class ScheduledLoads:
         """Acceleration (n, 2) [m/s²] by the following loads under a `displacement` (n, 2) [m] at `time` [s]."""
         total = np.zeros_like(self.steady)
         for load, when in self.following:
-            total += when.shares(np.array([time]))[0] * load.acceleration(displacement)
+            total += when.shares(np.array([time]))[0] * load.acceleration(displacement, time)
         return total
 
     def on_clamps(self, time: float, displacement: np.ndarray) -> np.ndarray:
         """Force (bodies, 2) [N/m] that the loads put on clamped faces directly."""
         total = self.at_clamps[0] + np.tensordot(self.shares(np.array([time]))[0], self.at_clamps[1:], axes=1)
         for load, when in self.following:
-            total[load.body] += when.shares(np.array([time]))[0] * load.on_clamps(displacement)
+            total[load.body] += when.shares(np.array([time]))[0] * load.on_clamps(displacement, time)
         return total
 
 

@@ -6,8 +6,8 @@ particle a the field f(ξ) = f_a + g·s + ½ s·H·s is fitted to its neighbours
     M c = Σ_b w_b p(s_b) (f_b − f_a),   p(s) = (s_0, s_1, s_0²/2, s_0 s_1, s_1²/2),   M = Σ_b w_b p pᵀ,
 
 so that each derivative is a fixed sum over neighbours, exact for quadratic fields. Neighbours are lattice points and
-points held fixed on clamped faces. The latter never move: they add to M and to the particle's own coefficient,
-and need no storage.
+points held on clamped faces. The latter add to M and to the particle's own coefficient, and need no storage: they stand
+still, or move as combinations of a few given fields, each of which has its coefficients of the derivatives.
 """
 
 from __future__ import annotations
@@ -35,10 +35,12 @@ WIDENING = (1.0, 1.3, 1.7, 2.2)
 @dataclass(frozen=True)
 class Fit:
     """`offset` (k, 2): lattice offsets of the neighbours, itself included; `coefficient` (n, k, 5) [in index units],
-    zero where there is no particle; `deficient` (n,): neighbourhoods that carry no quadratic at any support."""
+    zero where there is no particle; `held` (n, g, 5): derivatives by the fields that held points move in, each of size
+    1; `deficient` (n,): neighbourhoods that carry no quadratic at any support."""
 
     offset: np.ndarray
     coefficient: np.ndarray
+    held: np.ndarray
     deficient: np.ndarray
 
 
@@ -86,12 +88,13 @@ def _present(index: np.ndarray, subset: np.ndarray, offset: np.ndarray) -> np.nd
     return grid[at[..., 0], at[..., 1]]
 
 
-def _fixed_sums(kernel, h, reach, points, fixed, fixed_weight):
-    """Contributions of fixed points to M (m, 5, 5) and to Σ w p (m, 5)."""
+def _fixed_sums(kernel, h, reach, points, fixed, fixed_weight, fields):
+    """Contributions of fixed points to M (m, 5, 5), to Σ w p (m, 5), and Σ w p f of their `fields` (m, g, 5)."""
     moment = np.zeros((len(points), DERIVATIVES, DERIVATIVES))
     total = np.zeros((len(points), DERIVATIVES))
+    driven = np.zeros((len(points), fields.shape[1], DERIVATIVES))
     if len(fixed) == 0:
-        return moment, total
+        return moment, total, driven
     near = cKDTree(points).query_ball_tree(cKDTree(fixed), reach)
     a = np.repeat(np.arange(len(points)), [len(b) for b in near])
     b = np.array([k for row in near for k in sorted(row)], dtype=np.int64)
@@ -99,17 +102,19 @@ def _fixed_sums(kernel, h, reach, points, fixed, fixed_weight):
     wp = (fixed_weight * lattice_weights(kernel, h, s))[:, None] * basis(s)
     np.add.at(moment, a, wp[:, :, None] * basis(s)[:, None, :])
     np.add.at(total, a, wp)
-    return moment, total
+    np.add.at(driven, a, fields[b][:, :, None] * wp[:, None, :])
+    return moment, total, driven
 
 
-def _solve(kernel, h, index, subset, fixed, fixed_weight):
-    """Fit of the particles `subset` at smoothing length `h`: offsets, coefficients (m, k, 5), condition (m,)."""
+def _solve(kernel, h, index, subset, fixed, fixed_weight, fields):
+    """Fit of the particles `subset` at smoothing length `h`: offsets, coefficients (m, k, 5), those of `fields`
+    (m, g, 5), condition (m,)."""
     reach = kernel.support * h
     offset = _offsets(reach)
     p = basis(offset.astype(float))
     w = lattice_weights(kernel, h, offset.astype(float)) * _present(index, subset, offset)
     wp = w[:, :, None] * p
-    moment, total = _fixed_sums(kernel, h, reach, index[subset].astype(float), fixed, fixed_weight)
+    moment, total, driven = _fixed_sums(kernel, h, reach, index[subset].astype(float), fixed, fixed_weight, fields)
     moment += np.einsum("akc,kd->acd", wp, p)
     total += wp.sum(axis=1)
     condition = np.linalg.cond(moment)
@@ -119,24 +124,29 @@ def _solve(kernel, h, index, subset, fixed, fixed_weight):
     coefficient = np.einsum("acd,akd->akc", inverse, wp)
     itself = int(np.flatnonzero(np.all(offset == 0, axis=1))[0])
     coefficient[:, itself] = -np.einsum("acd,ad->ac", inverse, total)
-    return offset, coefficient, condition
+    return offset, coefficient, np.einsum("acd,agd->agc", inverse, driven), condition
 
 
-def quadratic_fit(kernel: Kernel, h: float, index: np.ndarray, fixed: np.ndarray, fixed_weight: float) -> Fit:
-    """Fit on the lattice points `index` (n, 2, whole numbers) with points `fixed` (m, 2, same units) that stay put.
+def quadratic_fit(
+    kernel: Kernel, h: float, index: np.ndarray, fixed: np.ndarray, fixed_weight: float, fields: np.ndarray
+) -> Fit:
+    """Fit on the lattice points `index` (n, 2, whole numbers) with points `fixed` (m, 2, same units) that stay put, or
+    move in the `fields` (m, g).
 
     `h` is the smoothing length in index units. Where a neighbourhood is too poor, its support is widened.
     """
     count = len(index)
     widest = _offsets(kernel.support * h * WIDENING[-1])
     coefficient = np.zeros((count, len(widest), DERIVATIVES))
+    held = np.zeros((count, fields.shape[1], DERIVATIVES))
     place = {tuple(s): k for k, s in enumerate(widest)}
     subset = np.arange(count)
     for factor in WIDENING:
-        offset, found, condition = _solve(kernel, h * factor, index, subset, fixed, fixed_weight)
+        offset, found, driven, condition = _solve(kernel, h * factor, index, subset, fixed, fixed_weight, fields)
         regular = condition < WORST_CONDITION
         columns = np.array([place[tuple(s)] for s in offset])
         coefficient[subset[regular][:, None], columns[None, :]] = found[regular]
+        held[subset[regular]] = driven[regular]
         subset = subset[~regular]
         if len(subset) == 0:
             break
@@ -144,4 +154,4 @@ def quadratic_fit(kernel: Kernel, h: float, index: np.ndarray, fixed: np.ndarray
     used |= used[::-1]  # the list reversed is the list negated: each neighbour relation needs its reverse
     deficient = np.zeros(count, dtype=bool)
     deficient[subset] = True
-    return Fit(widest[used], coefficient[:, used], deficient)
+    return Fit(widest[used], coefficient[:, used], held, deficient)

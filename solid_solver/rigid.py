@@ -10,8 +10,8 @@ from shared.contract import Description, Exchange, Frame, Kinematics
 from shared.motion_table import MotionTable
 from shared.schema import Scene
 from solid_solver.filled import body_probes, filled_bodies, largest_speed
-from solid_solver.interface import kinematics_over_window
-from solid_solver.rigid_points import describe_rigid, lattice_momenta, moved
+from solid_solver.interface import describe_rigid, kinematics_over_window
+from solid_solver.rigid_points import lattice_momenta, moved
 
 
 class Rigid:

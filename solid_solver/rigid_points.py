@@ -6,11 +6,6 @@ import math
 
 import numpy as np
 
-from shared.contract import Description
-from shared.schema import Scene
-from solid_solver.filled import FilledBody
-from solid_solver.interface import thickness
-
 
 def moved(arm: np.ndarray, pose: np.ndarray) -> np.ndarray:
     """Displacement, velocity and acceleration, (3, n, 2), of points at `arm` (n, 2) [m] from the centre.
@@ -36,23 +31,3 @@ def lattice_momenta(mass: float, place: np.ndarray, velocity: np.ndarray) -> tup
     """Momentum along x and y [N s/m], and angular momentum about the origin [N s], of points of `mass` [kg/m] each."""
     spin = np.sum(place[:, 0] * velocity[:, 1] - place[:, 1] * velocity[:, 0])
     return (*(mass * velocity.sum(axis=0)).tolist(), float(mass * spin))
-
-
-def describe_rigid(scene: Scene, bodies: list[FilledBody], stable_step: float) -> Description:
-    """The structure's description: the points of the particle lattice."""
-    solid = scene.solid
-    return Description(
-        name="solid",
-        role="structure",
-        model=solid.model,
-        stable_step=stable_step,
-        spacing=solid.dx,
-        position=np.concatenate([b.position for b in bodies]),
-        volume=np.concatenate([np.full(len(b.position), b.cell) for b in bodies]),
-        body=np.concatenate([np.full(len(b.position), k) for k, b in enumerate(bodies)]),
-        numbers={
-            "density": solid.density,
-            "thickness": thickness(scene),
-            "spacing_min": min(float(b.spacing.min()) for b in bodies),
-        },
-    )

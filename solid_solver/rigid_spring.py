@@ -13,9 +13,9 @@ import numpy as np
 from shared.contract import Description, Exchange, Frame, Kinematics, Loads, SolverFailed
 from shared.schema import Scene
 from solid_solver.filled import body_probes, filled_bodies, largest_speed
-from solid_solver.interface import kinematics_over_window
+from solid_solver.interface import describe_rigid, kinematics_over_window
 from solid_solver.rigid_floating import FloatingBody
-from solid_solver.rigid_points import describe_rigid, moved
+from solid_solver.rigid_points import moved
 
 STEPS_PER_PERIOD = 40
 """Steps per period of the fastest spring: only ramps and turning forces need any, the rest is exact."""

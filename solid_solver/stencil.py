@@ -45,14 +45,26 @@ class Gather(NamedTuple):
     coefficient: np.ndarray
 
 
+class Driven(NamedTuple):
+    """What clamps in motion add to derivatives. Forward run n owns entries `first[n]` … `first[n+1]` of `place` (m,),
+    the particle within the run, `field` (m,), and `weight` (m, 5), its derivatives where that field has size 1."""
+
+    first: np.ndarray
+    place: np.ndarray
+    field: np.ndarray
+    weight: np.ndarray
+
+
 @dataclass(frozen=True)
 class Layout:
-    """`slots`: length of padded arrays; `slot` (n,): slot of each particle; gathers of both directions."""
+    """`slots`: length of padded arrays; `slot` (n,): slot of each particle; gathers of both directions; `driven`: by
+    clamps in motion."""
 
     slots: int
     slot: np.ndarray
     forward: Gather
     transposed: Gather
+    driven: Driven
 
 
 def fast_axis_first(index: np.ndarray) -> np.ndarray:
@@ -134,9 +146,18 @@ def _chunks(length: np.ndarray) -> np.ndarray:
     return np.concatenate([[0], np.flatnonzero(np.diff(group)) + 1, [len(length)]]).astype(np.int64)
 
 
+def _driven(runs: np.ndarray, entries: list[tuple[np.ndarray, np.ndarray, np.ndarray]]) -> Driven:
+    """Entries (slots, fields, weights) by the forward `runs` (r, 4) that hold their slots."""
+    slot, field, weight = (np.concatenate(part) for part in zip(*entries, strict=True))
+    owner = np.searchsorted(runs[:, 0], slot, side="right") - 1
+    order = np.lexsort((slot, field, owner))
+    first = np.searchsorted(owner[order], np.arange(len(runs) + 1))
+    return Driven(first, (slot - runs[owner, 0])[order], field[order], weight[order])
+
+
 def lay_out(bodies: list[tuple[np.ndarray, Fit, np.ndarray]]) -> Layout:
     """Lay out bodies, each (index (n, 2), fit, scale (5,): factors from index units to SI per derivative)."""
-    slots, slot = 0, []
+    slots, slot, fields, entries = 0, [], 0, []
     forward, transposed = _GatherTable(), _GatherTable()
     for number, (index, fit, scale) in enumerate(bodies):
         reach = int(np.abs(fit.offset).max())
@@ -146,4 +167,8 @@ def lay_out(bodies: list[tuple[np.ndarray, Fit, np.ndarray]]) -> Layout:
         forward.add(coefficient, distance, scale, place, number)
         transposed.add(_transpose(coefficient, place, distance, slots), distance, scale, place, number)
         slot.append(place)
-    return Layout(slots, np.concatenate(slot), forward.finish(), transposed.finish())
+        particle, field = np.nonzero(np.any(fit.held != 0.0, axis=2))
+        entries.append((place[particle], fields + field, fit.held[particle, field] * scale))
+        fields += fit.held.shape[1]
+    ahead = forward.finish()
+    return Layout(slots, np.concatenate(slot), ahead, transposed.finish(), _driven(ahead.run, entries))

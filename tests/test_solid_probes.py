@@ -104,9 +104,9 @@ def test_following_pressure_starts_as_given_and_turns_and_stretches_with_its_fac
     load = Load(body="block", face=face, traction=tuple(-5.0 * n for n in outward), following=True)
     following = following_load(load, 0, body, len(body.position), 1000.0)
     rest = np.zeros_like(body.position)
-    np.testing.assert_allclose(following.acceleration(rest).sum(axis=0) * following.mass, load.traction, atol=1e-9)
+    np.testing.assert_allclose(following.acceleration(rest, 0.0).sum(axis=0) * following.mass, load.traction, atol=1e-9)
     f = np.array([[0.3, -1.2], [1.4, 0.2]])  # a turn and a stretch
-    force = following.acceleration(body.position @ (f - np.eye(2)).T).sum(axis=0) * following.mass
+    force = following.acceleration(body.position @ (f - np.eye(2)).T, 0.0).sum(axis=0) * following.mass
     cofactor = np.linalg.det(f) * np.linalg.inv(f).T  # Nanson: n da = cof(F) N dA
     np.testing.assert_allclose(force, cofactor @ np.array(load.traction), atol=1e-9)
 

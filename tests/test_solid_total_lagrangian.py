@@ -36,11 +36,9 @@ def energy(body, u, lam, mu):
 
 def internal_force(model, u):
     """Force (n, 2) [N/m] at displacements u, from one step that moves nothing."""
-    slot = model._slot
-    model._u[:, slot] = u.T
-    rest = np.zeros_like(model._u)
-    model._step(rest, np.zeros((1, 0)), np.array([[1.0, 0.0], [1.0, 0.0]]), 0.0)
-    return model._a[:, slot].T * model._mass[:, None]
+    model._lattice.put(u, np.zeros_like(u))
+    model._lattice.find_forces(0.0)
+    return model._lattice.acceleration * model._mass[:, None]
 
 
 @pytest.fixture(scope="module")
@@ -102,18 +100,18 @@ def test_a_checkerboard_costs_energy():
 def test_free_spinning_block_keeps_momenta_and_energy():
     model = make_model(solid_scene(), False, 1)
     x = model.describe().position - 0.5
-    model._v[:, model._slot] = np.stack([-3.0 * x[:, 1] + 1.0, 3.0 * x[:, 0]])
+    model._lattice.put(np.zeros_like(x), np.stack([-3.0 * x[:, 1] + 1.0, 3.0 * x[:, 0]], axis=1))
     mass = model._mass
 
     def momenta():
-        y, v = x + model._public(model._u), model._public(model._v)
+        y, v = x + model._lattice.displacement, model._lattice.velocity
         return np.array([*(mass @ v), mass @ (y[:, 0] * v[:, 1] - y[:, 1] * v[:, 0])])
 
     before = momenta()
     for _ in run(model, 2.0, 20):
         pass
     np.testing.assert_allclose(momenta(), before, rtol=0.0, atol=1e-9 * np.abs(before).max())
-    turned = x + model._public(model._u) - [2.0, 0.0]
+    turned = x + model._lattice.displacement - [2.0, 0.0]
     size = np.sqrt(np.sum(turned**2, axis=1) / np.sum(x**2, axis=1))
     assert np.abs(size - 1.0).max() < 0.02  # it spins by a full turn, stretched a little by the centrifugal load
 
@@ -153,10 +151,11 @@ def test_default_step_is_below_the_limit_by_its_factor(across, nu):
     for factor in (1.0, 1.25):
         model = make_model(beam_scene(across, poisson_ratio=nu, loads=[]), False, 1)
         rng = np.random.default_rng(0)
-        model._v[:, model._slot] = 1e-6 * rng.standard_normal((2, model.particles()))
+        kick = 1e-6 * rng.standard_normal((model.particles(), 2))
+        model._lattice.put(np.zeros_like(kick), kick)
         steps = 1500
         model.advance(0.0, factor * steps * model.stable_step(), steps, None)
-        outcome.append(np.sqrt(np.mean(model._v[:, model._slot] ** 2)))
+        outcome.append(np.sqrt(np.mean(model._lattice.velocity**2)))
     assert outcome[0] < 1.1e-6
     assert not outcome[1] < 1e-5
 
@@ -165,7 +164,7 @@ def test_damping_decays_a_free_flight_exactly():
     block = {"name": "block", "rectangle": [0.0, 0.0, 1.0, 1.0], "velocity": [2.0, 0.0], "free": True}
     model = make_model(solid_scene(damping=3.0, bodies=[block]), False, 1)
     *_, _ = run(model, 1.0, 4)
-    np.testing.assert_allclose(model._public(model._v)[:, 0], 2.0 * np.exp(-3.0), rtol=1e-10)
+    np.testing.assert_allclose(model._lattice.velocity[:, 0], 2.0 * np.exp(-3.0), rtol=1e-10)
 
 
 def test_interface_force_acts_as_a_point_force_held_over_the_window():
