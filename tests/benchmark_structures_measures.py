@@ -26,7 +26,6 @@ class Measure:
     unit: str
     least: float | None = None
     most: float | None = None
-    slow: bool = False
 
 
 def rate(particles: int, model: str, gradient: str, threads: int, steps: int) -> float:
