@@ -16,6 +16,7 @@ from coupler.ledger import Ledger
 from coupler.mapping import Mapping, build_mapping
 from coupler.memory import recall, remember
 from coupler.prediction import Predictor
+from coupler.recording import recording
 from coupler.remote import Remote
 from coupler.schemes import Coupled, probes
 from coupler.supervisor import PACKAGES, solver_processes
@@ -147,12 +148,8 @@ def start(
     last: Checkpoint | None,
 ) -> Coupled:
     """Both sides at t = 0, or where the checkpoint `last` left them."""
-    options = {
-        "frames": scene.output.frames,
-        "probe_rows": min(probe_rows(scene), clock.count),
-        "rollback": not scene.coupling.scheme.endswith("explicit"),
-        "resumed": last is not None,
-    }
+    rollback = not scene.coupling.scheme.endswith("explicit")
+    options = {"rollback": rollback, "resumed": last is not None, **outputs(scene, clock)}
     points, first = structure.start(clock, mapping.selection, **options)
     ghosts = mapping.motion(points)
     loads, more = fluid.start(clock, range(mapping.matrix.shape[0]), ghosts, **options)
@@ -178,27 +175,37 @@ def march(
     checkpoints = Checkpoints(record.run_dir, scene.output.checkpoint_every, last)
     memory = {"coupled": c, "taker": take, "ledger": ledger}
     try:
-        if last is not None:
-            counts |= recall(memory, plan, last)
-        before = counts["marched_s"]
-        for window in map(clock.window, range(first, clock.count)):
-            if checkpoints.due():
-                ledger.flush()
-                counts["marched_s"] = before + time.perf_counter() - begun
-                remember(memory, plan, checkpoints, window, record.notes() | {"counts": counts})
-            outcome = take(c, window)
-            row = probes(c)
-            record.at(window.t1, row)
-            ledger.record(window, outcome)
-            counts["iterations"] += len(outcome.changes)
-            counts["most"] = max(counts["most"], len(outcome.changes))
-            counts["unconverged"] += not outcome.converged
-            if row is not None:
-                ledger.flush()
+        with recording(record.run_dir, scene.output.exchange, last) as told:
+            if last is None:
+                told.begin(c, clock, **outputs(scene, clock))
+            else:
+                counts |= recall(memory, plan, last)
+            before = counts["marched_s"]
+            for window in map(clock.window, range(first, clock.count)):
+                if checkpoints.due():
+                    ledger.flush()
+                    told.flush()
+                    counts["marched_s"] = before + time.perf_counter() - begun
+                    remember(memory, plan, checkpoints, window, record.notes() | {"counts": counts})
+                outcome = take(c, window)
+                row = probes(c)
+                record.at(window.t1, row)
+                ledger.record(window, outcome)
+                told.add(window, outcome)
+                counts["iterations"] += len(outcome.changes)
+                counts["most"] = max(counts["most"], len(outcome.changes))
+                counts["unconverged"] += not outcome.converged
+                if row is not None:
+                    ledger.flush()
     finally:
         ledger.close()
         record.ledger |= ledger.summary()
     return counts | {"marched_s": before + time.perf_counter() - begun}
+
+
+def outputs(scene: Scene, clock: Clock) -> dict[str, int]:
+    """How many frames and rows of probes either side writes after the first."""
+    return {"frames": scene.output.frames, "probe_rows": min(probe_rows(scene), clock.count)}
 
 
 @contextlib.contextmanager

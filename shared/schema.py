@@ -537,6 +537,9 @@ class Output(Table):
         "auto", unit="s", about="time between probe rows; auto: end_time/1000"
     )
     average_from: NonNegative = key(0.0, unit="s", about="start of the means")
+    exchange: bool = key(
+        False, about="whether a coupled run records what either side is told, for --replay (large: all windows)"
+    )
     checkpoint_every: NonNegative = key(
         60.0, unit="s", about="wall time between checkpoints, from which `coupler resume` goes on; 0: none"
     )

@@ -90,8 +90,13 @@ def _start(participant: Participant, request: Message) -> Answer:
     selection = fields.pop("selection", None)
     if selection is None or selection.ndim != 1 or selection.dtype.kind != "i":
         raise BadMessage("start carries no list of integers 'selection'")
+    count = len(participant.describe().position)
+    if len(selection) and not 0 <= selection.min() <= selection.max() < count:
+        raise BadMessage(f"start selects points {selection.min()} to {selection.max()}; there are {count}")
     motion = None
     if participant.model.role == "fluid":
+        if len(selection) != count:
+            raise BadMessage(f"start selects {len(selection)} of the fluid's {count} ghosts; all of them travel")
         check_fields(fields, kinematics_shapes(len(selection)), "start")
         motion = Kinematics(**fields)
     elif fields:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 from collections.abc import Callable
 from pathlib import Path
 
@@ -9,13 +10,16 @@ import numpy as np
 
 from shared.checkpoint import Checkpoint, Checkpoints
 from shared.clock import Clock
-from shared.contract import BadInput, Kinematics, Model
-from shared.participant import Participant
+from shared.contract import BadInput, Kinematics, Model, ShearwaterError
+from shared.participant import Participant, own_faces
 from shared.record import Record
+from shared.recording import RUN, messages, recording_of
 from shared.results import new_run_directory
 from shared.schema import Scene
+from shared.service import Service
 from shared.sides import own_probes, probe_rows
 from shared.warm import fill_cache
+from shared.wire import BadMessage, Message, decode
 
 Factory = Callable[[Scene, bool, int], Model]
 
@@ -45,6 +49,56 @@ def resume_alone(
     with Record(run_dir, scene, last.notes["case"], {side: threads}, quiet, last) as record:
         _march(scene, side, factory, threads, record, last)
     return record
+
+
+def replay_alone(
+    scene: Scene,
+    case: str,
+    side: str,
+    factory: Factory,
+    out: Path | None,
+    threads: int,
+    quiet: bool,
+    recorded: Path,
+) -> Record:
+    """Run the `side` of a coupled scene as its partner drove it in the run whose directory is `recorded`.
+
+    The frames and probes are those of that run, to the byte, unless the scene has been changed. Raises BadInput where
+    the recording does not fit the scene.
+    """
+    source = recording_of(recorded, side)
+    told = messages(source)
+    first = next(told, None)
+    if first is None:
+        raise BadInput(f"The recording {source} is empty.")
+    scene = own_probes(scene, side)
+    run_dir = new_run_directory(out, case)
+    with Record(run_dir, scene, case, {side: threads}, quiet) as record:
+        fill_cache({side: f"{side}_solver"}, run_dir / "case.toml", scene)
+        model = factory(scene, True, threads)
+        participant = Participant(model, side, run_dir / f"{side}.vtkhdf", own_faces(scene, model))
+        service = Service(participant, RUN)
+        try:
+            for data in itertools.chain([first], told):
+                reply = decode(service.handle(data))
+                if reply.verb == "error":
+                    raise _refusal(reply, source)
+                if reply.verb != "describe":
+                    record.at(reply.t1, reply.info.get("probes"))
+        finally:
+            participant.close()
+            cost = participant.finish()
+            record.cost |= {"core_s": cost.pop("core_s"), side: cost}
+    return record
+
+
+def _refusal(reply: Message, source: Path) -> ShearwaterError:
+    text = reply.info["text"]
+    if reply.info["kind"] == BadMessage.__name__:
+        return BadInput(f"The recording {source} does not fit this scene: {text}. Replay it with the scene of its run.")
+    error = ShearwaterError(text)
+    error.exit_code = reply.info["exit_code"]
+    return error
 
 
 def _march(

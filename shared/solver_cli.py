@@ -28,7 +28,7 @@ from shared.resume import unfinished
 from shared.scene import load_scene
 from shared.service import Service
 from shared.sides import own_probes
-from shared.solo import Factory, resume_alone, run_alone
+from shared.solo import Factory, replay_alone, resume_alone, run_alone
 from shared.warm import take_a_tiny_step
 
 
@@ -42,12 +42,17 @@ def solver_app(side: str, factory: Factory) -> typer.Typer:
         out: Out = None,
         sets: Sets = None,
         threads: Annotated[int, typer.Option(help="Threads.", min=1)] = default_threads(),
+        replay: Annotated[
+            Path | None,
+            typer.Option(help="Directory of a coupled run, recorded with output.exchange: its partner is played."),
+        ] = None,
         quiet: Quiet = False,
     ) -> None:
         """Run this side of a scene alone and write a run directory."""
         scene = load_scene(case, sets or ())
         warn(scene)
-        conclude(run_alone(scene, case_name(case), side, factory, out, threads, quiet), quiet)
+        given = (scene, case_name(case), side, factory, out, threads, quiet)
+        conclude(run_alone(*given) if replay is None else replay_alone(*given, replay), quiet)
 
     @app.command("resume")
     def resume(

@@ -20,7 +20,7 @@ Requests and what they carry (fields; info), and their replies:
     describe   –                                   → position (n, 2), volume (n,), body (n,);
                                                      name, role, model, stable_step, spacing, numbers
     start      selection (k,) of own points, and for a fluid the five kinematics of its ghosts;
-               end, windows, rollback, probe_rows, frames
+               end, windows, rollback, probe_rows, frames, resumed (optional: load comes next)
                                                    → own initial exchange on the selected points; probes
     advance    the partner's exchange on the selected points; final (optional: accept at once)
                                                    → own exchange on them; probes as of accept if final

@@ -37,11 +37,15 @@ def same_output(first, second):
         if (first / name).exists():
             assert (first / name).read_bytes() == (second / name).read_bytes(), name
     for path in first.glob("*.vtkhdf"):
-        for index in range(8):
-            (time_a, a), (time_b, b) = read_frame(path, index), read_frame(second / path.name, index)
-            assert time_a == time_b
-            assert a.position.tobytes() == b.position.tobytes()
-            assert all(a.fields[name].tobytes() == b.fields[name].tobytes() for name in a.fields)
+        same_frames(path, second / path.name)
+
+
+def same_frames(first, second):
+    for index in range(8):
+        (time_a, a), (time_b, b) = read_frame(first, index), read_frame(second, index)
+        assert time_a == time_b
+        assert a.position.tobytes() == b.position.tobytes()
+        assert all(a.fields[name].tobytes() == b.fields[name].tobytes() for name in a.fields)
 
 
 def cut_short(monkeypatch, where, name, calls, run, *args):

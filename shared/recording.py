@@ -1,0 +1,77 @@
+"""What one side of a coupled run was told, kept in a file, so that it can be told again without the partner.
+
+A recording is the coupler's requests to that side (wire.py) for the windows as they were accepted, one after the other,
+each behind its length as 8 bytes, little-endian: describe, start, then one final advance per window.
+"""
+
+from __future__ import annotations
+
+import struct
+from collections.abc import Iterator
+from pathlib import Path
+
+from shared.contract import BadInput
+from shared.wire import Message, encode
+
+RUN = "recorded"
+"""Identity of the run in the messages of every recording."""
+
+_LENGTH = struct.Struct("<Q")
+_BEFORE_WINDOWS = 2  # describe and start
+
+
+def recording_of(run_dir: Path, side: str) -> Path:
+    """File of one side's recording in a run directory."""
+    return run_dir / f"{side}.exchange"
+
+
+class Recorder:
+    """Writes the recording `path`. `windows`: go on with the file that is there, behind this many windows."""
+
+    def __init__(self, path: Path, windows: int | None = None):
+        self._sequence = 0
+        if windows is None:
+            self._file = path.open("wb")
+            return
+        self._file = path.open("r+b")
+        for _ in range(_BEFORE_WINDOWS + windows):
+            if not _next(self._file):
+                raise BadInput(f"{path} ends after {self._sequence} messages: the recording cannot be gone on with.")
+            self._sequence += 1
+        self._file.truncate()
+
+    def add(self, verb: str, **parts) -> None:
+        """Add a request; `parts` as of `Message`."""
+        data = encode(Message(RUN, "coupler", verb, self._sequence, **parts))
+        self._file.write(_LENGTH.pack(len(data)) + data)
+        self._sequence += 1
+
+    def flush(self) -> None:
+        """Bring it to the disk."""
+        self._file.flush()
+
+    def close(self) -> None:
+        """Close the file."""
+        self._file.close()
+
+
+def messages(path: Path) -> Iterator[bytes]:
+    """The messages of a recording; one cut short at the end is left out. Raises BadInput."""
+    try:
+        with path.open("rb") as file:
+            while data := _next(file):
+                yield data
+    except OSError as error:
+        raise BadInput(
+            f"There is no recording to replay ({error}): make one by the coupled run with --set output.exchange=true."
+        ) from error
+
+
+def _next(file) -> bytes:
+    """The next whole message, or nothing."""
+    head = file.read(_LENGTH.size)
+    if len(head) < _LENGTH.size:
+        return b""
+    (length,) = _LENGTH.unpack(head)
+    data = file.read(length)
+    return data if len(data) == length else b""

@@ -1,0 +1,71 @@
+"""One side alone goes through what a recorded run told it, to the same bytes."""
+
+from __future__ import annotations
+
+import pytest
+
+import coupler.run
+import fluid_solver.models
+import solid_solver.models
+from coupler.run import resume_coupled, run_coupled
+from shared.contract import BadInput
+from shared.recording import messages, recording_of
+from shared.resume import unfinished
+from shared.scene import load_scene
+from shared.solo import replay_alone
+from tests.scenes import tiny_coupled
+from tests.test_resume import ONE, cut_short, same_frames
+
+FACTORIES = {"fluid": fluid_solver.models.make_model, "solid": solid_solver.models.make_model}
+SETS = ["output.exchange=true", "output.frames=7", "output.probe_interval=1e-3", "output.checkpoint_every=1e-9"]
+pytestmark = pytest.mark.timeout(240)
+
+
+@pytest.fixture(scope="module")
+def recorded(tmp_path_factory):
+    """A coupled run with implicit windows, and its scene."""
+    folder = tmp_path_factory.mktemp("recorded")
+    scene = load_scene(tiny_coupled(folder, end_time=0.01), [*SETS, "coupling.scheme=serial-implicit"])
+    run_coupled(scene, "tiny", folder / "run", ONE, True, "inprocess")
+    return folder / "run", scene
+
+
+@pytest.mark.parametrize("side", ["fluid", "solid"])
+def test_the_same_bytes_without_the_partner(recorded, side, tmp_path):
+    run_dir, scene = recorded
+    found = replay_alone(scene, "tiny", side, FACTORIES[side], tmp_path / "run", 1, True, run_dir).result
+    same_frames(tmp_path / "run" / f"{side}.vtkhdf", run_dir / f"{side}.vtkhdf")
+    assert found["t_end"] == pytest.approx(0.01)
+    columns = [line.split(",") for line in (run_dir / "probes.csv").read_text().splitlines()]
+    own = (tmp_path / "run" / "probes.csv").read_text().splitlines()
+    chosen = [columns[0].index(name) for name in own[0].split(",")]
+    assert own == [",".join(row[k] for k in chosen) for row in columns]
+
+
+def test_a_run_that_was_cut_short_has_the_same_recording(recorded, tmp_path, monkeypatch):
+    run_dir, scene = recorded
+    given = (scene, "tiny", tmp_path / "run", ONE, True, "inprocess")
+    cut_short(monkeypatch, coupler.run, "probes", 4, run_coupled, *given)
+    again, last = unfinished(tmp_path / "run")
+    resume_coupled(tmp_path / "run", last, again, ONE, "inprocess", True)
+    for side in ("fluid", "solid"):
+        assert recording_of(tmp_path / "run", side).read_bytes() == recording_of(run_dir, side).read_bytes()
+
+
+def test_what_cannot_be_replayed(recorded, tmp_path):
+    run_dir, scene = recorded
+    with pytest.raises(BadInput, match=r"output\.exchange=true"):
+        list(messages(recording_of(tmp_path, "fluid")))
+    (tmp_path / "fluid.exchange").write_bytes(b"")
+    with pytest.raises(BadInput, match="is empty"):
+        replay_alone(scene, "tiny", "fluid", FACTORIES["fluid"], tmp_path / "a", 1, True, tmp_path)
+    other = load_scene(run_dir / "case.toml", ["fluid.dx=5e-3"])
+    with pytest.raises(BadInput, match="does not fit this scene"):
+        replay_alone(other, "tiny", "fluid", FACTORIES["fluid"], tmp_path / "b", 1, True, run_dir)
+
+
+def test_a_recording_cut_short_ends_with_its_last_whole_message(recorded, tmp_path):
+    path = recording_of(recorded[0], "solid")
+    whole = list(messages(path))
+    (tmp_path / "cut").write_bytes(path.read_bytes()[:-5])
+    assert list(messages(tmp_path / "cut")) == whole[:-1]
