@@ -90,7 +90,7 @@ def _start(participant: Participant, request: Message) -> Answer:
     selection = fields.pop("selection", None)
     if selection is None or selection.ndim != 1 or selection.dtype.kind != "i":
         raise BadMessage("start carries no list of integers 'selection'")
-    count = len(participant.describe().position)
+    count = len(participant.model.describe().position)
     if len(selection) and not 0 <= selection.min() <= selection.max() < count:
         raise BadMessage(f"start selects points {selection.min()} to {selection.max()}; there are {count}")
     motion = None
