@@ -20,7 +20,7 @@ import numpy as np
 from coupler.schemes import Outcome
 from shared.checkpoint import State, cut_lines
 from shared.clock import Window
-from shared.contract import SolverFailed
+from shared.contract import ShearwaterError, SolverFailed
 from shared.schema_coupling import Limits
 
 COLUMNS = (
@@ -124,20 +124,34 @@ class Ledger:
 
     def _check(self, window: Window) -> None:
         """Energy and impulse count once they stay past their limits; force lost by the map counts at once."""
-        found = {
-            "energy": abs(self._work + self._work_fluid) / (self._largest_work or 1.0),
-            "impulse": math.hypot(*(self._impulse_structure - self._impulse_fluid)) / (self._largest_impulse or 1.0),
-            "mapping": self._mapping_error,
-        }
-        past = [name for name, value in found.items() if not value <= getattr(self._limits, name)]
+        self._last = window
+        past = self._past_limits()
         self._past = self._past + 1 if past else 0
         if self._past >= _PATIENCE or "mapping" in past:
-            name = "mapping" if "mapping" in past else past[0]
-            raise LedgerExceeded(
-                f"the ledger is past its limit in window {window.index}, t = {window.t1:.6g} s: {name} "
-                f"{found[name]:.3g}, coupling.limits.{name} = {getattr(self._limits, name):g}. {_WAYS_OUT[name]} "
-                "or raise the limit if this is meant."
-            )
+            raise LedgerExceeded(self._complaint(past))
+
+    def _past_limits(self) -> dict[str, float]:
+        """What is past its limit, and by how much; force lost by the map first."""
+        found = {
+            "mapping": self._mapping_error,
+            "energy": abs(self._work + self._work_fluid) / (self._largest_work or 1.0),
+            "impulse": math.hypot(*(self._impulse_structure - self._impulse_fluid)) / (self._largest_impulse or 1.0),
+        }
+        return {name: value for name, value in found.items() if not value <= getattr(self._limits, name)}
+
+    def _complaint(self, past: dict[str, float]) -> str:
+        name, value = next(iter(past.items()))
+        return (
+            f"the ledger is past its limit in window {self._last.index}, t = {self._last.t1:.6g} s: {name} "
+            f"{value:.3g}, coupling.limits.{name} = {getattr(self._limits, name):g}. {_WAYS_OUT[name]} "
+            "or raise the limit if this is meant."
+        )
+
+    def explained(self, error: ShearwaterError) -> ShearwaterError:
+        """What to tell where a side failed with `error`: the ledger's complaint first, if it had one already; a side
+        that lag throws about fails for reasons of its own, which lead nowhere."""
+        past = self._past_limits()
+        return LedgerExceeded(f"{self._complaint(past)} Then a side failed: {error}") if past else error
 
     def summary(self) -> dict[str, float]:
         """The sums as fractions.

@@ -17,13 +17,13 @@ from coupler.mapping import Mapping, build_mapping
 from coupler.memory import recall, remember
 from coupler.prediction import Predictor
 from coupler.recording import recording
-from coupler.remote import Remote
+from coupler.remote import Remote, RemoteError
 from coupler.schemes import Coupled, probes
 from coupler.supervisor import PACKAGES, solver_processes
 from coupler.window import Plan, alpha_rate, make_plan, mass_ratio
 from shared.checkpoint import Checkpoint, Checkpoints
 from shared.clock import Clock
-from shared.contract import BadInput, Description
+from shared.contract import BadInput, Description, SolverFailed
 from shared.record import Record
 from shared.results import new_run_directory
 from shared.schema import Scene
@@ -197,6 +197,8 @@ def march(
                 counts["unconverged"] += not outcome.converged
                 if row is not None:
                     ledger.flush()
+    except RemoteError as error:
+        raise (ledger.explained(error) if error.exit_code == SolverFailed.exit_code else error) from error
     finally:
         ledger.close()
         record.ledger |= ledger.summary()

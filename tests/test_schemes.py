@@ -10,7 +10,7 @@ import pytest
 from coupler.ledger import Ledger
 from coupler.prediction import Predictor
 from shared.clock import Clock
-from shared.contract import Loads
+from shared.contract import Loads, SolverFailed
 from shared.schema_coupling import Coupling, Limits
 from tests.coupled_models import couple_models
 
@@ -70,3 +70,17 @@ def test_predictor_is_exact_for_polynomials_of_its_order(order):
         predictor.add(load(n))
     np.testing.assert_allclose(predictor.predict(Clock(1.0, 10).window(5)).pressure, 5.0**order)
     np.testing.assert_allclose(predictor.predict(Clock(1.0, 10).window(5)).force, 6.0**order)
+
+
+def test_a_side_that_lag_throws_about_fails_after_the_ledger(toy_spring, toy_weight, tmp_path):
+    """Loads that lag strongly overshoot; what a side says of it then is not the cause."""
+    error = SolverFailed("the moment of turning forces was not found")
+    told = []
+    for drag in (0.0, 400.0):
+        ledger = Ledger(tmp_path / "ledger.csv", Limits())
+        table = Coupling(scheme="serial-explicit", predictor=0)
+        couple_models(toy_weight(3.0, drag), toy_spring(), Clock(1.0, 15), table, ledger=ledger)
+        ledger.close()
+        told.append(ledger.explained(error))
+    assert told[0] is error
+    assert str(told[1]).index("window is too long") < str(told[1]).index("turning forces")
