@@ -2,14 +2,15 @@
 
 One set of flags everywhere: a callee without flags would keep those of its first caller. `fastmath` leaves out
 `nnan` and `ninf`, so that checks for NaN and infinity work. Compiled code is cached in a folder named by a digest
-of the package's own sources: numba's cache looks only at the file of the function compiled, and would go on running
-an old callee after an edit elsewhere.
+of the sources that it can depend on: numba's cache looks only at the file of the function compiled, and would go on
+running an old callee after an edit elsewhere.
 """
 
 from __future__ import annotations
 
 import hashlib
 import os
+import re
 from pathlib import Path
 
 import numba
@@ -23,19 +24,32 @@ FLAGS = {
 """Compiler flags of every kernel."""
 
 
-def _source_digest() -> str:
-    """Digest of every Python source next to this one, in the packages that hold compiled code."""
-    root = Path(__file__).resolve().parent.parent
+_PACKAGES = ("shared", "fluid_solver", "solid_solver")
+_IMPORT = re.compile(rf"^\s*from ({'|'.join(_PACKAGES)})(?:\.(\w+))? import (.+)$", re.MULTILINE)
+
+
+def source_digest(root: Path) -> str:
+    """Digest of the Python sources below `root` that compiled code can depend on: those that compile, and all that they
+    import."""
+    texts = {path: path.read_text(encoding="utf-8") for package in _PACKAGES for path in (root / package).glob("*.py")}
+    waiting = [path for path, text in texts.items() if "from shared.jit import" in text or path.stem == "jit"]
+    needed: set[Path] = set()
+    while waiting:
+        path = waiting.pop()
+        if path not in needed:
+            needed.add(path)
+            for package, module, names in _IMPORT.findall(texts[path]):
+                modules = [module] if module else re.findall(r"\w+", names)
+                waiting += [p for p in (root / package / f"{m}.py" for m in modules) if p in texts]
     digest = hashlib.sha256()
-    for package in ("shared", "fluid_solver", "solid_solver"):
-        for path in sorted((root / package).rglob("*.py")):
-            digest.update(path.read_bytes())
+    for path in sorted(needed):
+        digest.update(texts[path].encode())
     return digest.hexdigest()[:16]
 
 
 def _cache_folder() -> str:
     base = os.environ.get("XDG_CACHE_HOME") or str(Path.home() / ".cache")
-    return str(Path(base) / "shearwater" / _source_digest())
+    return str(Path(base) / "shearwater" / source_digest(Path(__file__).resolve().parent.parent))
 
 
 if "NUMBA_CACHE_DIR" not in os.environ:
