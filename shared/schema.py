@@ -389,8 +389,12 @@ class Solid(Table):
     kernel: KernelName = key("wendland-c2", about="smoothing kernel")
     h_over_dx: float = key(1.3, unit="-", about="smoothing length over spacing", ge=0.8, le=3.0)
     gradient: Literal["printed", "linear", "quadratic"] = key(
-        "linear",
-        about="velocity gradient of model ctvf: as printed, or corrected to be exact for linear or quadratic fields",
+        "quadratic",
+        about=(
+            "velocity gradient of model ctvf: as printed, or corrected to be exact for linear or quadratic fields. "
+            "A clamped beam 10 particles across is 40 %, 4.2 %, 0.7 % too soft, a coupled one 6 across 13 % (linear), "
+            "1.5 % (quadratic), at two to three times linear's work: quadratic is cheapest for a wanted error"
+        ),
     )
     shifting: bool = key(
         True,
