@@ -12,7 +12,7 @@ from dataclasses import dataclass
 from typing import Literal
 
 from coupler.preflight_numbers import Numbers
-from coupler.preflight_window import expected_window
+from coupler.preflight_window import expected_plan, expected_window
 from shared.schema import PARTICLE_MODELS, Domain, Scene
 
 Verdict = Literal["ok", "warn", "refuse"]
@@ -177,7 +177,8 @@ def window_number(scene: Scene, n: Numbers) -> Finding | None:
         return None
     value = n.water.density * n.water.sound_speed * window / (n.plate.density * n.plate.thickness)
     reason = f"window {window:.3g} s"
-    if scene.coupling.scheme.endswith("implicit"):
+    asked = scene.coupling.scheme if scene.coupling.window != "auto" else expected_plan(scene, n).scheme
+    if asked.endswith("implicit"):
         return Finding("window α", value, "ok", f"{reason}, iterated")
     verdict = _above(value, ALPHA_WARN * (1.0 + 1e-9), ALPHA_REFUSE[scene.coupling.predictor])
     way_out = "" if verdict == "ok" else f"coupling.window = {window * ALPHA_WARN / value:.3g} or auto"

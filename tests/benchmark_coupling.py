@@ -101,7 +101,7 @@ def windows_of(folder: Path) -> int:
 
 def figure(row: Row, result: dict, folder: Path) -> tuple[float, str]:
     """What the row asks for, and a word on it."""
-    coupling = result["cost"].get("coupling", {})
+    coupling = result["cost"]["coupling"] or {}
     if row.statistic in ("iterations", "overhead"):
         key = {"iterations": "iterations_most", "overhead": "overhead_fraction"}[row.statistic]
         return float(coupling[key]), ""
@@ -141,9 +141,9 @@ def run_row(row: Row, table: dict, runs: Path, threads: dict[str, int]) -> dict[
     cost = result["cost"]
     return cells | {
         "verdict": ("ok" if kept else "missed") if judged else "",
-        "particles": str(sum(cost[side]["particles"] for side in ("fluid", "solid") if side in cost) or ""),
+        "particles": str(sum(cost[side]["particles"] for side in ("fluid", "solid") if cost[side]) or ""),
         "windows": str(windows_of(folder)),
-        "core seconds": f"{cost['core_s']:.0f}" if "core_s" in cost else "",
+        "core seconds": f"{cost['core_s']:.0f}" if cost["core_s"] else "",
         "seconds": f"{cost['wall_s']:.0f}",
     }
 
