@@ -21,6 +21,7 @@ from coupler.prediction import Predictor
 from coupler.schemes import Coupled, probes
 from coupler.supervisor import solver_processes
 from coupler.window import Plan
+from shared.checkpoint import claim
 from shared.clock import Clock
 from shared.scene import dump_scene
 from shared.schema import Scene
@@ -61,10 +62,11 @@ def time_windows(link: str, points: int, windows: int) -> dict[str, float]:
     with tempfile.TemporaryDirectory() as folder, contextlib.ExitStack() as stack:
         run_dir = Path(folder)
         (run_dir / "case.toml").write_text(dump_scene(scene), encoding="utf-8")
+        claimed = stack.enter_context(claim(run_dir))
         sides = (
             inprocess_sides(scene, threads, run, run_dir)
             if link == "inprocess"
-            else solver_processes(run, run_dir, threads, scene.coupling.stall_after)
+            else solver_processes(run, run_dir, threads, scene.coupling.stall_after, claimed.fileno())
         )
         both = stack.enter_context(sides)
         fluid, structure = both["fluid"], both["solid"]
