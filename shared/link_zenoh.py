@@ -9,27 +9,31 @@ Key expressions, for run R and participant P (fluid, solid):
 
 At most one message is in flight per participant, so nothing is ever dropped for congestion; the blocking time is
 raised all the same, since zenoh closes a link, without an exception, when a reader stalls for longer.
+
+Whoever waits for a message sleeps in zenoh's own channel, which wakes it at once: a callback's thread in between would
+cost a fifth of the exchange. What else may end the wait puts an empty message into that channel, in its own session.
 """
 
 from __future__ import annotations
 
 import contextlib
 import os
-import queue
 import socket
 import threading
 import time
+import weakref
 from collections.abc import Callable, Iterator
 
 import zenoh
 
-from shared.contract import ParticipantLost
+from shared.contract import ParticipantLost, ShearwaterError
 
 _CONNECT_TIMEOUT_S = 20.0
 _HEARTBEAT_PERIOD_S = 1.0
 _SILENT_AFTER_S = 15.0  # beyond zenoh's own lease of 10 s
 _FIRST_STEP_WITHIN_S = 900.0  # a first run compiles, on a busy machine for minutes
 _POLL_S = 0.2
+_MOST_WAITING = 4  # messages in a channel: one request or reply, and one that wakes
 
 
 def _key(run: str, name: str, topic: str) -> str:
@@ -94,19 +98,21 @@ class ZenohLink:
         self.name = name
         self._alive = alive
         self._stall_after = stall_after
-        self._replies: queue.SimpleQueue[bytes] = queue.SimpleQueue()
         self._connected = threading.Event()
         self._gone = threading.Event()
         self._beat = (time.monotonic(), "")  # arrival of the last heartbeat, and its text
         self._progress = time.monotonic()  # when the text last changed
+        self._waiting = False
+        self._lost: ShearwaterError | None = None
+        self._replies, self._wake = _channel(session, _key(run, name, "reply"))
         self._entities = [
-            session.declare_subscriber(_key(run, name, "reply"), lambda s: self._replies.put(s.payload.to_bytes())),
             session.declare_subscriber(_key(run, name, "heartbeat"), self._on_heartbeat),
             session.liveliness().declare_subscriber(_key(run, name, "alive"), self._on_liveliness, history=True),
         ]
         self._publisher = session.declare_publisher(
             _key(run, name, "request"), congestion_control=zenoh.CongestionControl.BLOCK, express=True
         )
+        threading.Thread(target=_watch, args=(weakref.ref(self),), daemon=True).start()
 
     def _on_heartbeat(self, sample: zenoh.Sample) -> None:
         now, text = time.monotonic(), sample.payload.to_string()
@@ -133,24 +139,58 @@ class ZenohLink:
 
     def receive(self) -> bytes:
         """Wait for the reply; raises ParticipantLost when the participant died, went silent or stalled."""
-        while True:
-            with contextlib.suppress(queue.Empty):
-                return self._replies.get(timeout=_POLL_S)
-            self._alive()
-            now = time.monotonic()
-            if self._gone.is_set() and self._replies.empty():
-                raise ParticipantLost(f"the {self.name} participant closed its connection in the middle of the run")
-            if now - self._beat[0] > _SILENT_AFTER_S:
-                raise ParticipantLost(
-                    f"the {self.name} participant has sent no heartbeat for {now - self._beat[0]:.0f} s: "
-                    "it is stopped, or its machine is out of reach"
-                )
-            stepping = self._beat[1] not in ("", "0")
-            if now - self._progress > (self._stall_after if stepping else _FIRST_STEP_WITHIN_S):
-                raise ParticipantLost(
-                    f"the {self.name} participant is alive but has made no time step for "
-                    f"{now - self._progress:.0f} s (coupling.stall_after = {self._stall_after:g} s)"
-                )
+        self._waiting = True
+        reply = self._replies.recv().payload.to_bytes()
+        self._waiting = False
+        if not reply:
+            raise self._lost
+        return reply
+
+    def watch(self) -> None:
+        """End the wait for a reply that will not come."""
+        if not self._waiting or self._lost is not None:
+            return
+        try:
+            self._check()
+        except ShearwaterError as error:
+            self._lost = error
+            self._wake()
+
+    def _check(self) -> None:
+        self._alive()
+        now = time.monotonic()
+        if self._gone.is_set():
+            raise ParticipantLost(f"the {self.name} participant closed its connection in the middle of the run")
+        if now - self._beat[0] > _SILENT_AFTER_S:
+            raise ParticipantLost(
+                f"the {self.name} participant has sent no heartbeat for {now - self._beat[0]:.0f} s: "
+                "it is stopped, or its machine is out of reach"
+            )
+        stepping = self._beat[1] not in ("", "0")
+        if now - self._progress > (self._stall_after if stepping else _FIRST_STEP_WITHIN_S):
+            raise ParticipantLost(
+                f"the {self.name} participant is alive but has made no time step for "
+                f"{now - self._progress:.0f} s (coupling.stall_after = {self._stall_after:g} s)"
+            )
+
+
+def _watch(link: weakref.ref[ZenohLink]) -> None:
+    """Watch over a link as long as somebody holds it."""
+    while (held := link()) is not None:
+        held.watch()
+        del held
+        time.sleep(_POLL_S)
+
+
+def _channel(session: zenoh.Session, key: str) -> tuple[zenoh.Subscriber, Callable[[], None]]:
+    """What arrives on `key`, to be received in order, and what wakes its reader with an empty message."""
+    channel = session.declare_subscriber(key, zenoh.handlers.FifoChannel(_MOST_WAITING))
+
+    def wake() -> None:
+        with contextlib.suppress(zenoh.ZError):  # a session that is closed has no reader
+            session.put(key, b"", allowed_destination=zenoh.Locality.SESSION_LOCAL)
+
+    return channel, wake
 
 
 def end_with(parent: int | None) -> None:
@@ -177,7 +217,6 @@ def serve(
 
     `steps()` is sent as heartbeat.
     """
-    inbox: queue.SimpleQueue[bytes | None] = queue.SimpleQueue()
     try:
         session = zenoh.open(_config("client", "connect/endpoints", endpoint))
     except zenoh.ZError as error:
@@ -192,24 +231,25 @@ def serve(
         )
         heart = session.declare_publisher(_key(run, name, "heartbeat"))
 
+        requests, wake = _channel(session, _key(run, name, "request"))
+
         def on_coupler(sample: zenoh.Sample) -> None:
             if sample.kind == zenoh.SampleKind.DELETE:
-                inbox.put(None)
+                wake()
 
         def beat() -> None:
             while not stop.wait(_HEARTBEAT_PERIOD_S):
                 with contextlib.suppress(zenoh.ZError):
                     heart.put(str(steps()))
 
-        requests = session.declare_subscriber(_key(run, name, "request"), lambda s: inbox.put(s.payload.to_bytes()))
         coupler = session.liveliness().declare_subscriber(_key(run, "coupler", "alive"), on_coupler, history=True)
         token = session.liveliness().declare_token(_key(run, name, "alive"))
         pulse = threading.Thread(target=beat, daemon=True)
         pulse.start()
         try:
             while not finished():
-                request = inbox.get()
-                if request is None:
+                request = requests.recv().payload.to_bytes()
+                if not request:
                     raise ParticipantLost("the coupler is gone; this participant ends")
                 replies.put(handle(request))
         finally:
