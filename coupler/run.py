@@ -110,7 +110,7 @@ def couple(scene: Scene, fluid: Remote, structure: Remote, record: Record, last:
     c = start(scene, clock, mapping, fluid, structure, record, last)
     counts = march(scene, plan, clock, c, record, last)
     costs = {"fluid": fluid.finish(), "solid": structure.finish()}
-    waited = counts["marched_s"] - sum(cost["busy_s"] for cost in costs.values())
+    waited = counts["marched_s"] - sum(cost["busy_s"] + cost["output_s"] for cost in costs.values())
     record.cost |= {
         "core_s": sum(cost.pop("core_s") for cost in costs.values()),
         **costs,

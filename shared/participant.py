@@ -32,7 +32,7 @@ from shared.vtkhdf import FrameWriter
 
 log = logging.getLogger("shearwater")
 
-_COSTS = ("steps", "busy_s", "outgrown_windows", "core_s", "stepping_core_s")
+_COSTS = ("steps", "busy_s", "output_s", "outgrown_windows", "core_s", "stepping_core_s")
 _OUTGROWN = 1.25  # a sub-step this much longer than the stable step at the window's end is noted in the log
 
 
@@ -53,7 +53,7 @@ class Participant:
         self._next = 0  # number of the next window to be accepted
         self._substeps = 0
         self._saved: dict[str, np.ndarray] | None = None
-        self._busy = 0.0
+        self._busy, self._writing = 0.0, 0.0  # time spent in steps, and in probes, frames and checkpoints [s]
         self._core_at_start = 0.0
         self._outgrown = 0
         self._earlier = dict.fromkeys(_COSTS, 0.0)  # of a run that this one goes on with
@@ -132,21 +132,25 @@ class Participant:
     def accept(self) -> dict[str, float] | None:
         """Make the window final: writes the frame due; returns the probes when a row is due."""
         self._need(self._stage == "advanced", "accept", "there is no advanced window to accept")
-        index = self._next
+        begun, index = time.perf_counter(), self._next
         if self._places is not None:
             self._places = self._places[1], self._places[1]
         self._next, self._saved, self._stage = index + 1, None, "ready"
         if self._writer is not None and self._clock.crosses(index, self._frames):
             self._writer.append(self._clock.time(index + 1), self.model.frame())
-        return self.model.probe_values() if self._clock.crosses(index, self._probe_rows) else None
+        row = self.model.probe_values() if self._clock.crosses(index, self._probe_rows) else None
+        self._writing += time.perf_counter() - begun
+        return row
 
     def save(self, path: str | Path) -> None:
         """Write the complete state, and what it has cost so far, to the HDF5 file `path`."""
         self._need(self._stage == "ready", "save", self._why_not_ready())
+        begun = time.perf_counter()
         state = under("model", self.model.state()) | under("cost", {n: np.array(v) for n, v in self._costs().items()})
         if self._places is not None:
             state["places"] = self._places[0]
         write_state(Path(path), state | {"window": np.array(self._next)})
+        self._writing += time.perf_counter() - begun
 
     def load(self, path: str | Path) -> None:
         """Take the state, and the number of the next window, from the HDF5 file `path`."""
@@ -195,6 +199,7 @@ class Participant:
         now = (
             self.model.steps(),
             self._busy,
+            self._writing,
             self._outgrown,
             usage.ru_utime + usage.ru_stime,
             time.process_time() - self._core_at_start,
