@@ -13,6 +13,7 @@ from shared.scene_reference import MARKER, reference_file, render
 
 CASES = (
     "cantilever_gravity",
+    "cantilever_in_water",
     "dam_break",
     "dam_break_plate",
     "dam_break_wall",
