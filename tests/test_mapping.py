@@ -71,3 +71,22 @@ def test_only_points_of_the_own_body_serve():
 def test_single_row_of_points_is_refused():
     with pytest.raises(BadInput, match="on one line"):
         build_mapping(described(lattice(40, 1), 0.005), described(lattice(40, 4), 0.005, "fluid"))
+
+
+@pytest.mark.parametrize("fluid", [(40, 4), (20, 2), (80, 8), (40, 1)])
+def test_water_on_both_sides_of_a_thin_plate_squeezes_it_and_water_on_one_side_pushes_it(fluid):
+    """Each side's ghosts load the points below that side: a squeeze is not mistaken for nothing, nor for a push."""
+    structure, ghosts = described(lattice(40, 4), 0.005), lattice(*fluid)
+    mapping = build_mapping(structure, described(ghosts, 0.2 / fluid[0], "fluid"))
+    place = structure.position[mapping.selection]
+    upper = place[:, 1] > 0.025
+    below, above = np.isclose(ghosts[:, 1], ghosts[:, 1].min()), np.isclose(ghosts[:, 1], ghosts[:, 1].max())
+    push = mapping.loads(Loads(np.ones(len(ghosts)), np.where(above[:, None], [0.0, -1.0], 0.0))).force[:, 1]
+    assert push.sum() == pytest.approx(-above.sum(), rel=1e-12)
+    if fluid[1] > 1:
+        squeeze = (below[:, None] * np.array([0.0, 1.0])) - (above[:, None] * np.array([0.0, 1.0]))
+        force = mapping.loads(Loads(np.ones(len(ghosts)), squeeze)).force[:, 1]
+        assert force.sum() == pytest.approx(0.0, abs=1e-12 * above.sum())
+        moment = (ghosts[:, 1] * squeeze[:, 1]).sum()
+        assert (force * place[:, 1]).sum() == pytest.approx(moment, rel=1e-11)
+        assert force[upper].sum() < -0.9 * above.sum()
