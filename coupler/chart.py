@@ -15,14 +15,13 @@ from typing import Any
 import numpy as np
 
 from coupler.chart_runs import run_variants
+from coupler.chart_truth import find_truth, goal_value, spread
 from coupler.chart_variants import Variant, study_variants
 from coupler.preflight_cost import Cost, calibrate, predicted_cost
 from coupler.preflight_error import error_bound
 from coupler.preflight_numbers import scene_numbers
-from shared.contract import BadInput
-from shared.probes import read_probes
-from shared.schema import Reference, Scene
-from shared.statistics import relative_error, statistic
+from shared.schema import Scene
+from shared.statistics import relative_error
 
 _LEAST_ERROR = 1e-6  # smaller ones are drawn here; no truth is known better
 
@@ -45,7 +44,7 @@ class Point:
 @dataclass(frozen=True)
 class Slope:
     """Least squares through the logarithms of a series: error ~ cost^slope, error ~ dx^order; `at`: cost by that line
-    at the smallest error of the whole chart."""
+    at the error of the chart's smallest variant, or at the least error where none is enough."""
 
     series: str
     slope: float
@@ -72,7 +71,7 @@ def make_chart(case: str, sets: Sequence[str], folder: Path, jobs: int, say: Cal
     """Run what is missing of the study into `folder`/runs, and weigh it."""
     variants = study_variants(case, sets)
     results = run_variants(case, variants, folder / "runs", jobs, say)
-    values = [_value(v, r, folder / "runs" / v.folder) for v, r in zip(variants, results, strict=True)]
+    values = [goal_value(v, r, folder / "runs" / v.folder) for v, r in zip(variants, results, strict=True)]
     scene = variants[0].scene
     name, truth, finest = find_truth(scene, variants, values)
     slower = calibrate()
@@ -83,6 +82,7 @@ def make_chart(case: str, sets: Sequence[str], folder: Path, jobs: int, say: Cal
     judged = [p for p in points if p.error is not None]
     front = pareto(judged)
     wanted = [p for p in judged if p.error <= scene.goal.error]
+    smallest = min(wanted, key=lambda p: p.cost, default=None)
     return Chart(
         case=case,
         scene=scene,
@@ -90,9 +90,9 @@ def make_chart(case: str, sets: Sequence[str], folder: Path, jobs: int, say: Cal
         truth_value=truth,
         points=points,
         front=front,
-        smallest=min(wanted, key=lambda p: p.cost, default=None),
-        slopes=slopes(judged),
-        spread=_spread(scene, truth, name),
+        smallest=smallest,
+        slopes=slopes(judged, None if smallest is None else smallest.error),
+        spread=spread(scene, truth, name),
     )
 
 
@@ -106,17 +106,17 @@ def pareto(points: Sequence[Point]) -> list[Point]:
     return front
 
 
-def slopes(points: Sequence[Point]) -> list[Slope]:
-    """The slope of each series of two spacings or more."""
-    least = min((max(p.error, _LEAST_ERROR) for p in points), default=_LEAST_ERROR)
+def slopes(points: Sequence[Point], error: float | None = None) -> list[Slope]:
+    """The slope of each series of two spacings or more, and its cost at `error` (default: the least of all)."""
+    least = error or min((max(p.error, _LEAST_ERROR) for p in points), default=_LEAST_ERROR)
     found = []
     for series in dict.fromkeys(p.variant.series for p in points):
         own = [p for p in points if p.variant.series == series and p.error > _LEAST_ERROR and p.cost > 0.0]
         if len({p.variant.dx for p in own}) < 2:
             continue
-        error, cost, dx = np.log([(p.error, p.cost, p.variant.dx) for p in own]).T
-        slope, start = np.polyfit(cost, error, 1) if np.ptp(cost) > 0.0 else (math.nan, math.nan)
-        order = np.polyfit(dx, error, 1)[0]
+        errors, cost, dx = np.log([(p.error, p.cost, p.variant.dx) for p in own]).T
+        slope, start = np.polyfit(cost, errors, 1) if np.ptp(cost) > 0.0 else (math.nan, math.nan)
+        order = np.polyfit(dx, errors, 1)[0]
         at = math.exp((math.log(least) - start) / slope) if slope < 0.0 else math.inf
         found.append(Slope(series, float(slope), float(order), at))
     return found
@@ -143,45 +143,3 @@ def _point(variant: Variant, result: dict[str, Any], value: float | None, truth:
         bound=bound if bound is not None and math.isfinite(bound) else None,
         expected=predicted_cost(variant.scene, numbers, slower),
     )
-
-
-def _value(variant: Variant, result: dict[str, Any], run_dir: Path) -> float | None:
-    """The goal's statistic of the goal's probe in a finished run."""
-    if result["status"] != "finished":
-        return None
-    scene = variant.scene
-    time, histories = read_probes(run_dir / "probes.csv")
-    known = _references(scene)
-    between = next((r.between for r in known if r.between is not None and r.name == scene.study.truth), None)
-    if between is None and scene.goal.statistic == "mean":
-        between = (scene.output.average_from, float(time[-1]))
-    return statistic(scene.goal.statistic, time, histories[scene.goal.probe], between)
-
-
-def _references(scene: Scene) -> list[Reference]:
-    """The scene's references of the goal's probe and statistic."""
-    return [r for r in scene.references if (r.probe, r.statistic) == (scene.goal.probe, scene.goal.statistic)]
-
-
-def find_truth(scene: Scene, variants, values) -> tuple[str, float, Variant | None]:
-    """Name and value of the truth, and the variant that it was taken from, if it is one."""
-    if scene.study.truth is not None:
-        known = {r.name: r.value for r in _references(scene) if r.value is not None}
-        if scene.study.truth not in known:
-            there = ", ".join(repr(name) for name in known) or "none"
-            raise BadInput(
-                f"study.truth = {scene.study.truth!r}: no reference with a value for the {scene.goal.statistic} of "
-                f"{scene.goal.probe} has this name; there is {there}"
-            )
-        return scene.study.truth, known[scene.study.truth], None
-    done = [(v.dx, k) for k, (v, value) in enumerate(zip(variants, values, strict=True)) if value is not None]
-    if not done:
-        raise BadInput("no variant finished, so there is nothing to chart; the logs stand beside the run directories")
-    finest = min(done)[1]
-    return f"finest run, {variants[finest].series} {variants[finest].label}", values[finest], variants[finest]
-
-
-def _spread(scene: Scene, truth: float, name: str) -> dict[str, float]:
-    return {
-        r.name: relative_error(r.value, truth) for r in _references(scene) if r.value is not None and r.name != name
-    }

@@ -83,9 +83,9 @@ def summary(chart: Chart) -> list[str]:
         lines.append(f"- Least error on the front: {top.variant.family}, {top.variant.label}: {100 * top.error:.2g} %.")
     for s in chart.slopes:
         text = f"- {s.series}: error ~ cost^{s.slope:.2f}, error ~ dx^{s.order:.2f}"
-        if chart.front and math.isfinite(s.at) and s.at > chart.front[-1].cost:
-            text += f"; along this line the front's least error would cost {s.at:.2g} core-seconds, "
-            text += f"{s.at / chart.front[-1].cost:.2g} times the front's"
+        if best is not None and math.isfinite(s.at) and s.series != best.variant.series:
+            text += f"; at the smallest one's error it costs {s.at:.3g} core-seconds by this line, "
+            text += f"{s.at / best.cost:.3g} times as much"
         lines.append(text + ".")
     if chart.spread:
         low, high = min(chart.spread.values()), max(chart.spread.values())

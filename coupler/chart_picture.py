@@ -16,7 +16,7 @@ _COLOURS = ("#0b4f8a", "#d55e00", "#009e73", "#cc79a7", "#e69f00", "#56b4e9", "#
 _MARKERS = "osD^vP*X"
 _FLOOR = 1e-5  # error below which points are drawn on the floor
 _LONGEST_NAME = 46
-_SPREAD_OF = 3  # references besides the truth from which on they are a spread
+_SPREAD_OF = 2  # references besides the truth from which on they are a spread
 
 
 def draw_chart(chart: Chart, path: Path) -> Path:

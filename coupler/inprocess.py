@@ -12,6 +12,7 @@ from pathlib import Path
 
 from coupler.remote import Remote
 from coupler.supervisor import PACKAGES
+from shared.contract import Model
 from shared.link import InProcessLink
 from shared.participant import Participant, own_faces
 from shared.schema import Scene
@@ -19,14 +20,19 @@ from shared.service import Service
 from shared.sides import own_probes
 
 
+def side_model(scene: Scene, side: str, coupled: bool, threads: int) -> Model:
+    """The model of one side of `scene`, "fluid" or "solid"."""
+    make_model = importlib.import_module(f"{PACKAGES[side]}.models").make_model
+    return make_model(own_probes(scene, side), coupled, threads)
+
+
 @contextlib.contextmanager
 def inprocess_sides(scene: Scene, threads: dict[str, int], run: str, run_dir: Path) -> Iterator[dict[str, Remote]]:
     """The two participants of `scene` as remotes named "fluid" and "solid", over the in-process link."""
     with contextlib.ExitStack() as stack:
         remotes = {}
-        for name, package in PACKAGES.items():
-            make_model = importlib.import_module(f"{package}.models").make_model
-            model = make_model(own_probes(scene, name), True, threads[name])
+        for name in PACKAGES:
+            model = side_model(scene, name, True, threads[name])
             participant = Participant(model, name, run_dir / f"{name}.vtkhdf", own_faces(scene, model))
             stack.callback(participant.close)
             remotes[name] = Remote(InProcessLink(Service(participant, run).handle), run, name)

@@ -217,6 +217,8 @@ def _held_rigid(scene: Scene, n: Numbers) -> float:
     """Error of a flow by holding an elastic body rigid; nothing is right in a box that it closes."""
     if n.water.boxed and n.joint.closes:
         return math.inf
+    if scene.solid.youngs_modulus is None:  # nothing else was ever meant
+        return 0.0
     elastic = scene_numbers(scene.model_copy(update={"solid": scene.solid.model_copy(update={"model": "beam"})}))
     bent = elastic.plate.deflection if elastic.plate.deflection is not None else 0.0
     return _RIGID_SHARE * bent / n.joint.depth

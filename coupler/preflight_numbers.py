@@ -59,7 +59,7 @@ def _joint(scene: Scene, water: Water, plate: Plate) -> Joint:
     depth = float(np.ptp(corners @ normal))
     closes = plate.wet == 1 and plate.length >= _SPANS * float(np.ptp(corners @ along))
     wet_frequency = None
-    if plate.frequency is not None:
+    if plate.frequency is not None and plate.clamps:  # a free body moves as a whole first
         # Incompressible water: a plate that closes its column moves all of it, another a layer of L/π on a side.
         layer = depth * MODE_SHARE.get(plate.clamps, 1.0) if closes else min(depth, plate.length / math.pi)
         added = water.density * layer * max(plate.wet, 1)

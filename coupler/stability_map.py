@@ -1,7 +1,7 @@
-"""The vocabulary of a stability map: a TOML file that names a case, two axes, and methods to compare.
+"""The vocabulary of a stability map: a TOML file that names a case, two axes, a criterion, and methods to compare.
 
-At every value of x, for every method, the value of y is sought at which runs begin to grow. A value v of an axis goes
-into the scene as factor × v^power under each of the axis's keys.
+At every value of x, for every method, the value of y is sought from which on the criterion is broken. A value v of an
+axis goes into the scene as factor × v^power under each of the axis's keys.
 """
 
 from __future__ import annotations
@@ -11,8 +11,9 @@ from importlib.resources import files
 from pathlib import Path
 from typing import Literal
 
-from pydantic import ValidationError
+from pydantic import Field, ValidationError, model_validator
 
+from coupler.stability_theory import THEORIES
 from shared.contract import BadInput
 from shared.scene_fields import suggest
 from shared.schema import Name, Positive, Table, key
@@ -36,14 +37,42 @@ class Across(Table):
 
 class Upward(Table):
     name: str = key(about="what the axis shows")
-    range: tuple[Positive, Positive] = key(about="least and largest value tried")
+    range: tuple[Positive, Positive] = key(
+        about="where the search begins, on the side where runs are good, and how far it goes; first may be the larger"
+    )
     tolerance: Positive = key(0.01, about="relative width to which the boundary is bracketed")
+    values: list[Positive] = key([], about="values that are run besides, to colour the map")
     scales: list[Scale] = key(about="keys that follow the axis", min_length=1)
 
 
+class Criterion(Table):
+    """What makes a run bad: its measure past `limit`. A run that ends by a diagnosis is bad in any case.
+
+    growth: of the probe's amplitude per row of probes at the run's end, the probe going as its square; swell: the same
+    from the first row to the largest after a quarter of the run, for runs whose noise or limits hide the rate;
+    iterations: of a window, in the mean; rise: largest rise of the probe above an earlier value of its own, over its
+    largest size; deviation: of the probe's statistic from `value`, relative.
+    """
+
+    measure: Literal["growth", "swell", "iterations", "rise", "deviation"] = key(about="what is looked at")
+    limit: float = key(0.0, about="largest measure of a good run")
+    probe: Name | None = key(None, about="probe that is looked at; not of iterations")
+    statistic: str = key("mean", about="statistic of the probe, of deviation")
+    value: float | None = key(None, about="what the statistic should be, of deviation")
+
+    @model_validator(mode="after")
+    def _complete(self):
+        if (self.probe is None) != (self.measure == "iterations"):
+            raise ValueError("a probe belongs to every measure but iterations")
+        if (self.value is None) != (self.measure != "deviation"):
+            raise ValueError("value belongs to the measure deviation")
+        return self
+
+
 class Method(Table):
-    name: str = key(about="what the line is called")
+    name: str = key(about="what its panel is called")
     sets: list[str] = key([], about="path.to.key=value, as after --set")
+    theory: str | None = key(None, about="theory of this method, where it is not the map's; none: no line")
 
 
 class StabilityMap(Table):
@@ -53,12 +82,24 @@ class StabilityMap(Table):
     title: str = key(about="one line")
     description: str = key("", about="what the map shows")
     case: str = key(about="scene file, or name of a shipped case")
-    probe: Name = key(about="probe that must not grow; one that is never negative")
-    theory: Literal["lagged-column"] | None = key(None, about="boundary drawn over the runs")
+    criterion: Criterion = key(about="what is looked for")
+    theory: str | None = key(None, about="boundary drawn over the runs: " + ", ".join(THEORIES))
     sets: list[str] = key([], about="changes of the scene in all runs, as after --set")
     x: Across = key(about="the axis along")
     y: Upward = key(about="the axis on which the boundary is sought")
-    methods: list[Method] = key(about="lines of the map", min_length=1)
+    methods: list[Method] = Field(min_length=1, description="panels of the map")
+
+    @model_validator(mode="after")
+    def _known_theories(self):
+        for name in (self.theory, *(method.theory for method in self.methods)):
+            if name not in (None, "none", *THEORIES):
+                raise ValueError(f"no theory is called {name!r}{suggest(name, THEORIES)}")
+        return self
+
+    def theory_of(self, method: Method) -> str | None:
+        """Name of the theory drawn over a method's runs."""
+        name = method.theory or self.theory
+        return None if name == "none" else name
 
 
 def shipped_maps() -> dict[str, Path]:

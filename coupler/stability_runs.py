@@ -1,44 +1,56 @@
-"""The runs behind a stability map: does a cell grow, and where does growth begin."""
+"""The runs behind a stability map: how bad is a cell, and where does badness begin."""
 
 from __future__ import annotations
 
+import contextlib
+import io
+import logging
 import math
 import tempfile
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 
-from coupler.inprocess import inprocess_sides
-from coupler.run import couple
-from coupler.stability_map import Method, StabilityMap
-from shared.contract import ShearwaterError
+from coupler.choice import make_taker
+from coupler.inprocess import inprocess_sides, side_model
+from coupler.mapping import build_mapping
+from coupler.run import start
+from coupler.schemes import probes
+from coupler.stability_map import Criterion, Method, StabilityMap
+from coupler.window import make_plan, mass_ratio
+from shared.clock import Clock
+from shared.contract import Kinematics, ShearwaterError
+from shared.participant import Participant
 from shared.scene import load_scene
 from shared.schema import Scene
+from shared.sides import probe_rows
+from shared.statistics import relative_error, statistic
 
-_STRIDE = 2.0  # factor between the values of y tried on the way up to the first that grows
-_FAILED = math.inf  # growth of a run that a limit or a non-finite state ended
-_DIED_OUT = -math.inf  # growth of a run whose probe has sunk into rounding
-_ROUNDING = (
-    1e-16  # of the largest value, a square; places are known to 1e-16 of their size, speeds by their differences
-)
+FAILED = math.inf  # measure of a run that a limit or a non-finite state ended
+DIED_OUT = -math.inf  # growth of a run whose probe has sunk into rounding
+_STRIDE = 2.0  # factor between the values of y tried on the way to the first that is bad
+_ROUNDING = 1e-16
+"""Of the largest value, a square; places are known to 1e-16 of their size, speeds by their differences."""
 
 
 class Watched:
-    """What a coupled run writes into, without files: its probes' rows."""
+    """What comes of a cell's run: its probes' rows, and the iterations of its windows. No files."""
 
-    def __init__(self, run_dir: Path):
-        self.run_dir = run_dir
-        self.cost: dict[str, Any] = {}
-        self.ledger: dict[str, float] = {}
-        self.preflight: dict[str, Any] = {}
+    def __init__(self):
+        self.times: list[float] = []
         self.rows: list[dict[str, float]] = []
+        self.iterations: list[int] = []
 
     def at(self, now: float, probes: dict[str, float] | None) -> None:
         """The run has reached `now` [s]."""
         if probes is not None:
+            self.times.append(now)
             self.rows.append(probes)
+
+    def history(self, probe: str) -> tuple[np.ndarray, np.ndarray]:
+        """Times [s] and values of a probe."""
+        return np.array(self.times), np.array([row[probe] for row in self.rows])
 
 
 def cell_scene(stability: StabilityMap, method: Method, x: float, y: float) -> Scene:
@@ -48,19 +60,64 @@ def cell_scene(stability: StabilityMap, method: Method, x: float, y: float) -> S
     return load_scene(stability.case, [*stability.sets, *method.sets, *along, *upward])
 
 
-def growth_rate(scene: Scene, probe: str) -> float:
-    """Growth per window of the amplitude whose square the probe is like, over the last half of a run.
+def measure(scene: Scene, criterion: Criterion) -> float:
+    """The criterion's measure of a run of `scene`; infinite for a run that ended by a diagnosis."""
+    watched = Watched()
+    both = scene.fluid is not None and scene.solid is not None
+    try:
+        with _unheard():
+            (_run_coupled if both else _run_alone)(scene, watched)
+    except ShearwaterError:
+        return FAILED
+    return _MEASURES[criterion.measure](watched, criterion, scene)
 
-    Infinite for a run that failed: then it grew until something said so; minus infinite where all has died out.
-    """
-    with tempfile.TemporaryDirectory() as folder:
-        watched = Watched(Path(folder))
-        try:
-            with inprocess_sides(scene, {"fluid": 1, "solid": 1}, "cell", watched.run_dir) as sides:
-                couple(scene, sides["fluid"], sides["solid"], watched)
-        except ShearwaterError:
-            return _FAILED
-    return rate_of([row[probe] for row in watched.rows])
+
+def _run_coupled(scene: Scene, watched: Watched) -> None:
+    """Both sides in this process; without a ledger, whose limits are there to end what a map looks for."""
+    with (
+        tempfile.TemporaryDirectory() as folder,
+        inprocess_sides(scene, {"fluid": 1, "solid": 1}, "cell", Path(folder)) as sides,
+    ):
+        fluid, structure = sides["fluid"].describe(), sides["solid"].describe()
+        plan = make_plan(scene.coupling, fluid, structure, mass_ratio(scene, structure))
+        clock = Clock.fitting(scene.end_time, plan.window)
+        c = start(scene, clock, build_mapping(structure, fluid), sides["fluid"], sides["solid"], watched, None)
+        take = make_taker(plan, scene.coupling)
+        for window in map(clock.window, range(clock.count)):
+            watched.iterations.append(len(take(c, window).changes))
+            watched.at(window.t1, probes(c))
+
+
+def _run_alone(scene: Scene, watched: Watched) -> None:
+    """The one side that there is, in this process."""
+    side = "solid" if scene.fluid is None else "fluid"
+    participant = Participant(side_model(scene, side, False, 1), side)
+    points = participant.describe().position
+    still = Kinematics.at_rest(points) if side == "fluid" else None
+    rows = probe_rows(scene)
+    clock = Clock(scene.end_time, rows)
+    _, first = participant.start(clock, np.arange(len(points)), still, probe_rows=rows)
+    watched.at(0.0, first)
+    for window in map(clock.window, range(clock.count)):
+        participant.advance(window, still)
+        watched.at(window.t1, participant.accept())
+
+
+@contextlib.contextmanager
+def _unheard() -> Iterator[None]:
+    """What the models warn of in a cell is what the map is about."""
+    log = logging.getLogger("shearwater")
+    handler, before = logging.StreamHandler(io.StringIO()), log.propagate
+    log.addHandler(handler)
+    log.propagate = False
+    try:
+        yield
+    finally:
+        log.removeHandler(handler)
+        log.propagate = before
+
+
+# ---- measures --------------------------------------------------------------------------------------------------------
 
 
 def rate_of(values: Sequence[float]) -> float:
@@ -68,31 +125,78 @@ def rate_of(values: Sequence[float]) -> float:
     quarter = len(values) // 4
     before, after = np.max(values[2 * quarter : 3 * quarter]), np.max(values[3 * quarter : 4 * quarter])
     if not math.isfinite(after):
-        return _FAILED
+        return FAILED
     if after <= _ROUNDING * np.max(values):
-        return _DIED_OUT
+        return DIED_OUT
     return 0.5 * math.log(after / before) / quarter
 
 
-def boundary(grows: Callable[[float], bool], low: float, high: float, tolerance: float) -> float | None:
-    """The least y in [low, high] that grows, to `tolerance`, coming from below; None where nothing grows.
+def swell_of(values: Sequence[float]) -> float:
+    """Growth per row of the amplitude in `values`, which go as its square: from the first to the largest of the last
+    three quarters."""
+    largest = np.max(values[len(values) // 4 :])
+    return 0.5 * math.log(largest / values[0]) / len(values) if math.isfinite(largest) else FAILED
 
-    `low` itself where that grows already.
+
+def rise_of(values: np.ndarray) -> float:
+    """Largest rise above an earlier value, over the largest size."""
+    return float(np.max(values - np.minimum.accumulate(values)) / np.max(np.abs(values)))
+
+
+def _growth(watched: Watched, criterion: Criterion, scene: Scene) -> float:
+    return rate_of(watched.history(criterion.probe)[1])
+
+
+def _swell(watched: Watched, criterion: Criterion, scene: Scene) -> float:
+    return swell_of(watched.history(criterion.probe)[1])
+
+
+def _iterations(watched: Watched, criterion: Criterion, scene: Scene) -> float:
+    return float(np.mean(watched.iterations))
+
+
+def _rise(watched: Watched, criterion: Criterion, scene: Scene) -> float:
+    return rise_of(watched.history(criterion.probe)[1])
+
+
+def _deviation(watched: Watched, criterion: Criterion, scene: Scene) -> float:
+    between = (scene.output.average_from, watched.times[-1]) if criterion.statistic == "mean" else None
+    found = statistic(criterion.statistic, *watched.history(criterion.probe), between)
+    return FAILED if found is None else abs(relative_error(found, criterion.value))
+
+
+_MEASURES: dict[str, Callable[[Watched, Criterion, Scene], float]] = {
+    "growth": _growth,
+    "swell": _swell,
+    "iterations": _iterations,
+    "rise": _rise,
+    "deviation": _deviation,
+}
+
+
+# ---- the search ------------------------------------------------------------------------------------------------------
+
+
+def boundary(bad: Callable[[float], bool], first: float, last: float, tolerance: float) -> float | None:
+    """The y nearest to `first` from which on runs are bad, on the way to `last`, to `tolerance`; None if none is.
+
+    `first` itself where that is bad already.
     """
-    if grows(low):
-        return low
-    stable, tried = low, low
-    while tried < high:
-        tried = min(tried * _STRIDE, high)
-        if grows(tried):
+    if bad(first):
+        return first
+    stride = _STRIDE if last > first else 1.0 / _STRIDE
+    good = tried = first
+    while tried != last:
+        tried = min(tried * stride, last) if last > first else max(tried * stride, last)
+        if bad(tried):
             break
-        stable = tried
+        good = tried
     else:
         return None
-    while tried / stable > 1.0 + tolerance:
-        middle = math.sqrt(stable * tried)
-        if grows(middle):
+    while abs(math.log(tried / good)) > math.log1p(tolerance):
+        middle = math.sqrt(good * tried)
+        if bad(middle):
             tried = middle
         else:
-            stable = middle
-    return math.sqrt(stable * tried)
+            good = middle
+    return math.sqrt(good * tried)

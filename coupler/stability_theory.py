@@ -1,58 +1,113 @@
-"""Where theory puts the boundary of lagged exchange between a free piston and an acoustic column.
+"""Where theory puts the boundaries of exchange between a free structure and a column of water.
 
-Per window of length 1, speeds over one another, loads over ρ c: with a_n the piston's speed gained in window n, Δx_n
-what it moves, F̄_n the mean load, α = ρ c Δt/m = A r, R = −d the pulse that comes back from an open far end after
-k = 2/A windows, w the predictor's weights,
+Δt the window, m = ρ_s t the structure's mass per area, α = ρ_f c Δt/m, r = ρ_f H/m, A = c Δt/H = α/r; y = z⁻¹ one
+window back; Q the extrapolation of order 0, 1, 2 from past windows: y, 2y − y², 3y − 3y² + y³; R = −d the pulse that
+comes back from the column's open far end after k = 2/A windows. With v̄ the structure's mean velocity in a window and F̄
+the mean load, found by the fluid for the wall's mean velocity w v̄,
 
-    Δx_{n+1} − Δx_n = (a_n + a_{n+1})/2      the structure moves under constant loads
-    a_n = −α Σ_j w_j F̄_{n−1−j}               the loads of past windows, carried on
-    F̄_n = Δx_n + 2R G_{n−k}                  the fluid on the true motion; G_n = Δx_n + R G_{n−k} leaves the face
+    v̄ (1 − y) = (Δt/2m) (1 + y) Q F̄                     the structure moves under constant loads, those of the past
+    F̄ = −ρ c (1 + R y^k)/(1 − R y^k) w v̄                 acoustic column
+    w = 1 (serial);  w = y + (1 − y) Q (parallel: the wall's end is predicted from past mean velocities)
 
-so that solutions z^n obey  2z (z − 1)(1 − R z^−k) + α (1 + z)(1 + R z^−k) W(z) = 0,  W = Σ_j w_j z^−j. For R = 0 the
-largest stable α is 2, 2/√3 and 0.709 for predictor order 0, 1, 2.
+    2 (1 − y)(1 − R y^k) + α (1 + y)(1 + R y^k) Q w = 0.
+
+Incompressible, with a structure's mean acceleration F̄/m: 1 + r Q = 0 (serial), 1 + r Q² = 0 (parallel). Unstable while
+a root lies inside the unit circle. Iterated, a window's load answers its own error with −g times it, g = r
+incompressible, α/2 while no pulse has come back: relaxation by ω converges for 0 < ω < 2/(1 + g).
 """
 
 from __future__ import annotations
 
+from collections.abc import Callable
+
 import numpy as np
+from numpy.polynomial import Polynomial
 
-WEIGHTS = {0: (1.0,), 1: (2.0, -1.0), 2: (3.0, -3.0, 1.0)}
+from shared.kernels import kernel_named
+from shared.schema import Scene
+
+Y = Polynomial([0.0, 1.0])
+PREDICTION = {0: Y, 1: 2 * Y - Y**2, 2: 3 * Y - 3 * Y**2 + Y**3}
 _ROUND = 1e-9  # past 1, below which a root counts as on the unit circle
-_SCAN = 400  # values of α looked at before the boundary is bisected
+_SCAN = 400  # values looked at before the boundary is bisected
+_BISECTIONS = 50
+_WHOLE = 1e-6  # how far 2/A may be off a whole number
 
 
-def growth(alpha: float, order: int, reflection: float, k: int) -> float:
-    """Largest |z| besides the root z = 1 of a piston that has come to rest elsewhere."""
-    delay = np.zeros(k + 1)  # 1 in powers z^k … z^0
-    delay[0] = 1.0
-    echo = np.zeros(k + 1)
-    echo[-1] = -reflection  # R z^−k, times z^k
-    weights = np.array(WEIGHTS[order])
-    inertia = np.polymul([2.0, -2.0, 0.0], delay - echo)
-    load = alpha * np.polymul(np.polymul([1.0, 1.0], delay + echo), weights)
-    polynomial = np.polyadd(np.polymul(inertia, [1.0, *np.zeros(order)]), load)
-    return float(np.max(np.abs(np.roots(polynomial))))
+def lagged_wall(scheme: str, order: int) -> Polynomial:
+    """w: the mean velocity of the fluid's wall over that of the structure."""
+    return Polynomial([1.0]) if scheme.startswith("serial") else Y + (1 - Y) * PREDICTION[order]
 
 
-def largest_stable_alpha(order: int, reflection: float, k: int, most: float = 4.0) -> float:
-    """The α at which solutions begin to grow, coming from zero."""
+def acoustic(alpha: float, order: int, reflection: float = 0.0, k: int = 1, scheme: str = "serial") -> Polynomial:
+    """The polynomial in y of a structure on an acoustic column; `reflection`: d."""
+    echo = Polynomial([1.0] + [0.0] * (k - 1) + [reflection])  # 1 − R y^k
+    load = PREDICTION[order] * lagged_wall(scheme, order)
+    return 2 * (1 - Y) * echo + alpha * (1 + Y) * (2 - echo) * load
+
+
+def incompressible(r: float, order: int, scheme: str = "serial") -> Polynomial:
+    """The polynomial in y of a structure on an incompressible column."""
+    Q = PREDICTION[order]
+    return 1 + r * (Q if scheme.startswith("serial") else Q * Q)
+
+
+def growth(polynomial: Polynomial) -> float:
+    """Largest growth per window of what the polynomial in y allows."""
+    return float(1.0 / np.min(np.abs(polynomial.roots())))
+
+
+def largest_stable(polynomial: Callable[[float], Polynomial], most: float) -> float:
+    """The number at which solutions begin to grow, coming from zero; `most` if they never do."""
     values = np.linspace(0.0, most, _SCAN + 1)[1:]
-    growing = next((v for v in values if growth(v, order, reflection, k) > 1.0 + _ROUND), None)
+    growing = next((v for v in values if growth(polynomial(v)) > 1.0 + _ROUND), None)
     if growing is None:
         return most
     low, high = growing - most / _SCAN, growing
-    for _ in range(50):
+    for _ in range(_BISECTIONS):
         middle = 0.5 * (low + high)
-        if growth(middle, order, reflection, k) > 1.0 + _ROUND:
-            high = middle
-        else:
-            low = middle
+        low, high = (low, middle) if growth(polynomial(middle)) > 1.0 + _ROUND else (middle, high)
     return low
 
 
-def lagged_column(A: float, order: int, reflection: float) -> float | None:
-    """Largest stable r = α/A at the window A = c Δt/H; None where a pulse does not come back after whole windows."""
-    k = round(2.0 / A)
-    if abs(k * A - 2.0) > 1e-6:
+# ---- theories of a map, by name: from a cell's scene and its x, the boundary in y ------------------------------------
+
+
+def lagged_column(scene: Scene, x: float) -> float | None:
+    """Largest stable r at x = A, on the acoustic column; None where a pulse does not come back after whole windows."""
+    k, coupling, reflection = round(2.0 / x), scene.coupling, scene.fluid.column.reflection
+    if reflection and abs(k * x - 2.0) > _WHOLE:
         return None
-    return largest_stable_alpha(order, reflection, k) / A
+    order, scheme = coupling.predictor, coupling.scheme
+    return largest_stable(lambda alpha: acoustic(alpha, order, reflection, k, scheme), 4.0) / x
+
+
+def lagged_silent(scene: Scene, x: float) -> float:
+    """The same where no pulse has come back while the run lasts."""
+    order, scheme = scene.coupling.predictor, scene.coupling.scheme
+    return largest_stable(lambda alpha: acoustic(alpha, order, scheme=scheme), 4.0) / x
+
+
+def lagged_incompressible(scene: Scene, x: float) -> float:
+    """Largest stable r of incompressible water, whatever x."""
+    order, scheme = scene.coupling.predictor, scene.coupling.scheme
+    return largest_stable(lambda r: incompressible(r, order, scheme), 4.0)
+
+
+def relaxation(scene: Scene, x: float) -> float:
+    """Largest ω that converges at x = |g|."""
+    return 2.0 / (1.0 + x)
+
+
+def one_support(scene: Scene, x: float) -> float:
+    """A plate as thick as the fluid's kernel reaches, in dx; in a thinner one ghosts hear both sides."""
+    return kernel_named(scene.fluid.kernel).support * scene.fluid.h_over_dx
+
+
+THEORIES: dict[str, Callable[[Scene, float], float | None]] = {
+    "lagged-column": lagged_column,
+    "lagged-silent": lagged_silent,
+    "lagged-incompressible": lagged_incompressible,
+    "relaxation": relaxation,
+    "one-support": one_support,
+}

@@ -256,7 +256,7 @@ class Fluid(Table):
     )
     kernel: KernelName = key("wendland-c2", about="smoothing kernel")
     h_over_dx: float = key(1.3, unit="-", about="smoothing length over spacing", ge=0.8, le=3.0)
-    courant: Annotated[float, Field(gt=0.0, le=1.5)] | Literal["auto"] = key(
+    courant: Annotated[float, Field(gt=0.0, le=3.0)] | Literal["auto"] = key(
         "auto",
         unit="-",
         about="time step over h/(c0 + speed); auto: measured to be stable for the model and kernel",

@@ -30,8 +30,10 @@ CASES = (
     "still_tank",
     "stretched_strip",
     "taylor_green",
+    "two_levels",
     "udl_beam",
     "udl_beam_dynamic",
+    "water_tube",
 )
 
 

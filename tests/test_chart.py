@@ -7,8 +7,9 @@ from types import SimpleNamespace
 
 import pytest
 
-from coupler.chart import find_truth, make_chart, pareto, slopes
+from coupler.chart import make_chart, pareto, slopes
 from coupler.chart_files import COLUMNS, summary, write_chart
+from coupler.chart_truth import find_truth, spread
 from coupler.chart_variants import study_variants
 from shared.contract import BadInput
 from shared.scene import shipped_cases
@@ -29,6 +30,7 @@ def test_slope_and_order_of_a_second_order_method_whose_cost_grows_with_the_cube
     assert found.order == pytest.approx(2.0)
     assert found.slope == pytest.approx(-2.0 / 3.0)
     assert found.at == pytest.approx(0.025**-3)
+    assert slopes(points, 0.05**2)[0].at == pytest.approx(0.05**-3)
 
 
 def test_a_series_of_one_spacing_has_no_slope():
@@ -87,6 +89,14 @@ def test_a_chart_of_what_is_no_study_is_refused(case):
         study_variants("soft_plate")
     with pytest.raises(BadInput, match=r"study\.truth = 'nobody'"):
         find_truth(study_variants(case, ["study.truth=nobody"])[0].scene, [], [])
+
+
+def test_experiments_measured_as_curves_are_the_spread_where_the_finest_run_is_the_truth():
+    """Fronts of a dam break over the interval of the first; those of other intervals say nothing about it."""
+    scene = study_variants("dam_break")[0].scene
+    found = spread(scene, 2.36, "finest run")
+    assert set(found) == {"Martin & Moyce 1952, a = 2.25 in", "Martin & Moyce 1952, a = 1.125 in"}
+    assert all(abs(value) < 0.05 for value in found.values())
 
 
 def test_every_mistake_of_a_study_is_reported(case):

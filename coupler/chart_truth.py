@@ -1,0 +1,68 @@
+"""What a chart's errors are measured against: the study's truth, or its finest run; and what others found."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+from coupler.chart_variants import Variant
+from shared.contract import BadInput
+from shared.probes import read_probes, reference_curve
+from shared.schema import Reference, Scene
+from shared.statistics import Interval, relative_error, statistic
+
+
+def goal_value(variant: Variant, result: dict[str, Any], run_dir: Path) -> float | None:
+    """The goal's statistic of the goal's probe in a finished run."""
+    if result["status"] != "finished":
+        return None
+    scene = variant.scene
+    time, histories = read_probes(run_dir / "probes.csv")
+    between = _interval(scene)
+    if between is None and scene.goal.statistic == "mean":
+        between = (scene.output.average_from, float(time[-1]))
+    return statistic(scene.goal.statistic, time, histories[scene.goal.probe], between)
+
+
+def find_truth(scene: Scene, variants, values) -> tuple[str, float, Variant | None]:
+    """Name and value of the truth, and the variant that it was taken from, if it is one."""
+    if scene.study.truth is not None:
+        known = {r.name: _known(r) for r in _references(scene)}
+        if known.get(scene.study.truth) is None:
+            there = ", ".join(repr(name) for name, value in known.items() if value is not None) or "none"
+            raise BadInput(
+                f"study.truth = {scene.study.truth!r}: no reference with a value for the {scene.goal.statistic} of "
+                f"{scene.goal.probe} has this name; there is {there}"
+            )
+        return scene.study.truth, known[scene.study.truth], None
+    done = [(v.dx, k) for k, (v, value) in enumerate(zip(variants, values, strict=True)) if value is not None]
+    if not done:
+        raise BadInput("no variant finished, so there is nothing to chart; the logs stand beside the run directories")
+    finest = min(done)[1]
+    return f"finest run, {variants[finest].series} {variants[finest].label}", values[finest], variants[finest]
+
+
+def spread(scene: Scene, truth: float, name: str) -> dict[str, float]:
+    """Relative deviations from the truth of what others found over the same interval."""
+    others = {r.name: _known(r) for r in _references(scene) if r.name != name and r.between == _interval(scene)}
+    return {name: relative_error(value, truth) for name, value in others.items() if value is not None}
+
+
+def _references(scene: Scene) -> list[Reference]:
+    """The scene's references of the goal's probe and statistic."""
+    return [r for r in scene.references if (r.probe, r.statistic) == (scene.goal.probe, scene.goal.statistic)]
+
+
+def _interval(scene: Scene) -> Interval | None:
+    """The interval of the truth's reference; of the first one where the finest run is the truth."""
+    known = [r for r in _references(scene) if scene.study.truth in (None, r.name)]
+    return known[0].between if known else None
+
+
+def _known(reference: Reference) -> float | None:
+    """A reference's value; of a curve, its statistic over the interval that the reference names."""
+    if reference.curve is None:
+        return reference.value
+    if reference.between is None:
+        return None
+    return statistic(reference.statistic, *reference_curve(reference), reference.between)
