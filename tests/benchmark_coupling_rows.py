@@ -71,15 +71,15 @@ def _b() -> list[Row]:
     case, first = "hydrostatic_plate", (0.0, 0.0035)
     pressures = ("coupling.loads=pressure",)
     rows = [
-        Row("B static, 10 across", case, (), "mid_y", "mean", PLATE_2D, 0.015, printed=-6.85e-5, cost=120),
+        Row("B static, 10 across", case, (), "mid_y", "mean", PLATE_2D[0.34], 0.015, printed=-6.85e-5, cost=120),
         Row("B bottom pressure, 10 across", case, (), "bottom_pressure", "mean", 19620.0, 0.02, cost=120),
         Row("B first peak, 10 across", case, (), "mid_y", "min", -1.167e-4, 0.05, first, cost=120),
-        Row("B static, beam", case, ("solid.model=beam",), "mid_y", "mean", PLATE_2D, 0.005, cost=130),
+        Row("B static, beam", case, ("solid.model=beam",), "mid_y", "mean", PLATE_2D[0.34], 0.005, cost=130),
         Row("B pressures for forces", case, pressures, "mid_y", "mean", "B static, 10 across", 0.02, cost=130),
-        Row("B static, ctvf", case, ("solid.model=ctvf",), "mid_y", "mean", PLATE_2D, 0.04, cost=150),
+        Row("B static, ctvf", case, ("solid.model=ctvf",), "mid_y", "mean", PLATE_2D[0.34], 0.04, cost=150),
     ]
     fine = spacing("2.5e-3")
-    return [*rows, Row("B static, 20 across", case, fine, "mid_y", "mean", PLATE_2D, 0.008, cost=1000)]
+    return [*rows, Row("B static, 20 across", case, fine, "mid_y", "mean", PLATE_2D[0.34], 0.008, cost=1000)]
 
 
 def _c() -> list[Row]:
@@ -123,7 +123,7 @@ def _paper() -> list[Row]:
     for across, dx, cost in ((10, "5e-3", 150), (15, "3.333e-3", 500), (20, "2.5e-3", 1200)):
         name = f"paper's B, {across} across"
         sets = (*both, *spacing(dx))
-        rows.append(Row(name, "hydrostatic_plate", sets, "mid_y", "mean", PLATE_2D, printed=-6.85e-5, cost=cost))
+        rows.append(Row(name, "hydrostatic_plate", sets, "mid_y", "mean", PLATE_2D[0.34], printed=-6.85e-5, cost=cost))
     for dx, cost in (("2e-3", 80), ("1e-3", 600), ("5e-4", 4900)):
         sets = both if dx == "2e-3" else (*both, *spacing(dx))
         rows.append(Row(f"paper's C, dx {dx}", "dam_break_plate", sets, "tip_x", "max", PEAK, cost=cost))

@@ -16,6 +16,7 @@ def test_rows_are_scenes_with_their_probes_in_an_order_that_can_be_run():
         probes = {probe.name for probe in load_scene(row.case, row.sets).probes}
         assert not row.probe or row.probe in probes
         assert not isinstance(row.truth, str) or row.truth in before
+        assert isinstance(row.truth, (float, str, type(None)))
         assert row.demand not in before
         before.add(row.demand)
 
