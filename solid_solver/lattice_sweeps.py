@@ -13,12 +13,12 @@ from numba import prange
 
 from shared.jit import inline_njit, njit, parallel_njit
 from solid_solver.stencil import RUN
-from solid_solver.strain_gradient import stresses
+from solid_solver.strain_gradient import STRAINS, stresses
 
 SUMS = 10
 """Derivatives of both displacement components."""
 
-SCRATCH = SUMS * RUN
+SCRATCH = (SUMS + STRAINS) * RUN
 
 SHORT = 5
 """Particles from which a run is worth a loop over its particles: about half a vector register."""
@@ -55,7 +55,7 @@ def _derivatives(d, u, s, count, first, last, distance, coefficient):
     if count < SHORT:
         _derivatives_one_by_one(d, u, s, count, first, last, distance, coefficient)
         return
-    d[:] = 0.0
+    d[: SUMS * RUN] = 0.0
     ux = u[0]
     uy = u[1]
     for k in range(first, last, 3):
@@ -108,14 +108,20 @@ def _forces(f, stress, s, count, first, last, distance, coefficient):
     f[: 2 * RUN] = 0.0
     for i in range(2):
         g = f[i * RUN : (i + 1) * RUN]
-        for k in range(first, last):
-            p = s + distance[k]
-            q = p + count
-            t0, t1, t2 = stress[5 * i, p:q], stress[5 * i + 1, p:q], stress[5 * i + 2, p:q]
-            t3, t4 = stress[5 * i + 3, p:q], stress[5 * i + 4, p:q]
-            c0, c1, c2, c3, c4 = coefficient[k]
+        t0, t1, t2, t3, t4 = stress[5 * i], stress[5 * i + 1], stress[5 * i + 2], stress[5 * i + 3], stress[5 * i + 4]
+        for k in range(first, last, 3):
+            p, q, r = s + distance[k], s + distance[k + 1], s + distance[k + 2]
+            a0, a1, a2, a3, a4 = coefficient[k]
+            b0, b1, b2, b3, b4 = coefficient[k + 1]
+            c0, c1, c2, c3, c4 = coefficient[k + 2]
+            p0, p1, p2, p3, p4 = t0[p:], t1[p:], t2[p:], t3[p:], t4[p:]
+            q0, q1, q2, q3, q4 = t0[q:], t1[q:], t2[q:], t3[q:], t4[q:]
+            r0, r1, r2, r3, r4 = t0[r:], t1[r:], t2[r:], t3[r:], t4[r:]
             for l in range(count):
-                g[l] += c0 * t0[l] + c1 * t1[l] + c2 * t2[l] + c3 * t3[l] + c4 * t4[l]
+                sum_p = a0 * p0[l] + a1 * p1[l] + a2 * p2[l] + a3 * p3[l] + a4 * p4[l]
+                sum_q = b0 * q0[l] + b1 * q1[l] + b2 * q2[l] + b3 * q3[l] + b4 * q4[l]
+                sum_r = c0 * r0[l] + c1 * r1[l] + c2 * r2[l] + c3 * r3[l] + c4 * r4[l]
+                g[l] += sum_p + sum_q + sum_r
 
 
 @njit
@@ -126,10 +132,16 @@ def _stress_of_chunk(chunk, u, stress, strain, d, forward, driven, sizes, axes, 
         s, count, c, body = run[n, 0], run[n, 1], run[n, 2], run[n, 3]
         _derivatives(d, u, s, count, first[c], first[c + 1], distance, coefficient)
         _add_driven(d, n, driven, sizes)
-        stresses(d, count, strain, s, axes[body], moment[body], lam, mu, tau)
+        for plane in range(STRAINS):
+            for l in range(count):
+                d[(SUMS + plane) * RUN + l] = strain[plane, s + l]
+        stresses(d, count, axes[body], moment[body], lam, mu, tau)
         for plane in range(SUMS):
             for l in range(count):
                 stress[plane, s + l] = d[plane * RUN + l]
+        for plane in range(STRAINS):
+            for l in range(count):
+                strain[plane, s + l] = d[(SUMS + plane) * RUN + l]
 
 
 @njit

@@ -30,15 +30,12 @@ STRAINS = 9
 
 
 @njit
-def stresses(d, count, strain, s, axes, moment, lam, mu, tau):
+def stresses(d, count, axes, moment, lam, mu, tau):
     """Turn D in `d` into minus the energy's derivative per volume by D, in place (see the module's text).
 
-    `strain` (9, slots): strains of the step before, replaced by the present ones, from slot `s` on; `axes` (2, 2): rows
+    `d` holds D, and behind it the strains of the step before, which become the present ones; `axes` (2, 2): rows
     e_K; `moment` (2,): d_k²/12 [m²]; `lam`, `mu`: Lamé's λ and μ [Pa]; `tau`: τ over the time step.
     """
-    o0, o1, o2 = strain[0, s : s + count], strain[1, s : s + count], strain[2, s : s + count]
-    o3, o4, o5 = strain[3, s : s + count], strain[4, s : s + count], strain[5, s : s + count]
-    o6, o7, o8 = strain[6, s : s + count], strain[7, s : s + count], strain[8, s : s + count]
     e00, e01, e10, e11 = axes[0, 0], axes[1, 0], axes[0, 1], axes[1, 1]
     m0, m1 = moment[0], moment[1]
     for l in range(count):
@@ -56,15 +53,15 @@ def stresses(d, count, strain, s, axes, moment, lam, mu, tau):
         z00 = f00 * a01 + f10 * a11
         z11 = f01 * b01 + f11 * b11
         z01 = 0.5 * (f00 * b01 + f10 * b11 + f01 * a01 + f11 * a11)
-        x00, o0[l] = x00 + tau * (x00 - o0[l]), x00
-        x11, o1[l] = x11 + tau * (x11 - o1[l]), x11
-        x01, o2[l] = x01 + tau * (x01 - o2[l]), x01
-        y00, o3[l] = y00 + tau * (y00 - o3[l]), y00
-        y11, o4[l] = y11 + tau * (y11 - o4[l]), y11
-        y01, o5[l] = y01 + tau * (y01 - o5[l]), y01
-        z00, o6[l] = z00 + tau * (z00 - o6[l]), z00
-        z11, o7[l] = z11 + tau * (z11 - o7[l]), z11
-        z01, o8[l] = z01 + tau * (z01 - o8[l]), z01
+        x00, d[l + 10 * RUN] = x00 + tau * (x00 - d[l + 10 * RUN]), x00
+        x11, d[l + 11 * RUN] = x11 + tau * (x11 - d[l + 11 * RUN]), x11
+        x01, d[l + 12 * RUN] = x01 + tau * (x01 - d[l + 12 * RUN]), x01
+        y00, d[l + 13 * RUN] = y00 + tau * (y00 - d[l + 13 * RUN]), y00
+        y11, d[l + 14 * RUN] = y11 + tau * (y11 - d[l + 14 * RUN]), y11
+        y01, d[l + 15 * RUN] = y01 + tau * (y01 - d[l + 15 * RUN]), y01
+        z00, d[l + 16 * RUN] = z00 + tau * (z00 - d[l + 16 * RUN]), z00
+        z11, d[l + 17 * RUN] = z11 + tau * (z11 - d[l + 17 * RUN]), z11
+        z01, d[l + 18 * RUN] = z01 + tau * (z01 - d[l + 18 * RUN]), z01
         trace = lam * (x00 + x11)
         s00, s11, s01 = trace + 2.0 * mu * x00, trace + 2.0 * mu * x11, 2.0 * mu * x01
         trace = m0 * lam * (y00 + y11)
