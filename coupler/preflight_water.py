@@ -8,18 +8,15 @@ from dataclasses import dataclass
 import numpy as np
 
 from coupler.preflight_shapes import outline
+from shared.fluid_step import COURANT, fluid_step
 from shared.geometry import contains, distance_to
 from shared.kernels import kernel_named
-from shared.motion_table import MotionTable
+from shared.motion_table import largest_speed
 from shared.schema import Body, FluidBody, Scene, Wall
 
 MACH_AUTO = 0.1  # largest expected speed over the sound speed "auto"
-COURANT = {"ctvf": 0.8, "wcsph": 0.9}  # time step over h/(c0 + speed) that "auto" takes
-FORCE_STEP = 0.25  # of √(h/|g|)
-VISCOUS_STEP = 0.125  # of h²/ν
 _BACKED = 0.75  # of dx: a wall or body this close behind the water's face holds it
 UPWARD = 0.7  # cosine against gravity beyond which a face of the water is its free surface
-_SAMPLES = 1000  # times at which a prescribed motion's speed is looked at
 
 
 @dataclass(frozen=True)
@@ -59,7 +56,7 @@ def measure_water(scene: Scene) -> Water:
     still = start == 0.0 and walls == 0.0
     open_sides, open_top = unbacked(scene)
     if fluid.model in COURANT:
-        step = _fluid_step(scene, courant, h, sound + start, g)
+        step = fluid_step(courant, h, sound + start, fluid.viscosity, g)
     else:  # nothing moves in `still`; a wave in `column` must not come back within the step that sends it
         step = min(scene.end_time, 2.0 * height / sound) if fluid.model == "column" else scene.end_time
     return Water(
@@ -87,21 +84,10 @@ def _field_speed(body: FluidBody) -> float:
 
 
 def _wall_speed(wall: Wall) -> float:
-    """Largest speed [m/s] of a moving wall's corners."""
+    """Largest speed [m/s] of a moving wall."""
     if wall.motion is None:
         return abs(wall.surface_speed)
-    table, corners = MotionTable(wall.motion), np.asarray(wall.polyline, dtype=float)
-    reach = float(np.hypot(*(corners - table.about).T).max())
-    rates = [table.at(time)[1] for time in np.linspace(0.0, wall.motion.times[-1], _SAMPLES)]
-    return max(math.hypot(x, y) + reach * abs(turn) for x, y, turn in rates)
-
-
-def _fluid_step(scene: Scene, courant: float, h: float, fastest: float, g: float) -> float:
-    """Least of the acoustic, viscous and force limits [s]."""
-    step = courant * h / fastest if fastest > 0.0 else math.inf
-    if scene.fluid.viscosity > 0.0:
-        step = min(step, VISCOUS_STEP * h**2 / scene.fluid.viscosity)
-    return min(step, FORCE_STEP * math.sqrt(h / g)) if g else step
+    return largest_speed(wall.motion, wall.polyline)
 
 
 def _fluid_particles(scene: Scene, support: float) -> float:

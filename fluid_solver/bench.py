@@ -12,6 +12,7 @@ import numpy as np
 
 from fluid_solver.fields import FLUID, U, V, X, Y
 from fluid_solver.models import make_model
+from fluid_solver.stages import OPERATIONS, candidates, stages
 from shared.schema import Scene
 
 PARTICLE_MODELS = ("ctvf", "wcsph")
@@ -42,24 +43,34 @@ def dam_break(particles: int, model: str) -> Scene:
     )
 
 
-def run_benchmark(particles: int, model: str, threads: int) -> dict[str, float]:
-    """Times whole steps; all particles (fluid, walls) counted, compiling left out.
+def developed(particles: int, model: str, threads: int):
+    """A fluid set flowing and disordered as in a dam break under way, and its step [s].
 
-    The column is set flowing and disordered as in a dam break under way: u = k (x, −y), which keeps volume and
-    follows both walls, and places shaken by a tenth of dx. So cells are sorted as often as in a run. Returns
-    `particles`, `fluid_particles`, `steps`, `wall_s`, `particle_steps_per_s`; `bytes_per_particle` of the arrays that
-    the step works on; `interval_s`, core seconds to advance a particle by dx/c0, the time sound needs to the next.
+    u = k (x, −y) keeps volume and follows both walls; places are shaken by a tenth of dx. So cells are sorted as often
+    as in a run.
     """
     fluid = make_model(dam_break(particles, model), False, threads)
     S, water = fluid.store.S, fluid.store.kind == FLUID
     S[np.ix_([X, Y], water)] += np.random.default_rng(0).uniform(-SHAKEN, SHAKEN, (2, water.sum())) * fluid.c.dx
     S[U, water], S[V, water] = STRETCHING * S[X, water], -STRETCHING * S[Y, water]
     fluid.begin(None)
-    dt, count = fluid.stable_step(), fluid.particles()
+    dt = fluid.stable_step()
     fluid.advance(0.0, WARM * dt, WARM, None)
+    return fluid, dt
+
+
+def run_benchmark(particles: int, model: str, threads: int) -> dict[str, float]:
+    """Times whole steps; all particles (fluid, walls) counted, compiling left out.
+
+    Returns `particles`, `fluid_particles`, `steps`, `wall_s`, `particle_steps_per_s`; `bytes_per_particle` of the
+    arrays that the step works on; `interval_s`, core seconds to advance a particle by dx/c0, the time sound needs to
+    the next.
+    """
+    fluid, dt = developed(particles, model, threads)
+    count = fluid.particles()
     steps = max(FEWEST, WORK // count)
     begun = time.perf_counter()
-    fluid.advance(WARM * dt, (WARM + steps) * dt, steps, None)
+    fluid.advance(0.0, steps * dt, steps, None)
     wall = time.perf_counter() - begun
     fluid.check()
     per_step = wall / (steps * count)
@@ -72,3 +83,21 @@ def run_benchmark(particles: int, model: str, threads: int) -> dict[str, float]:
         "bytes_per_particle": fluid.store.nbytes() / count,
         "interval_s": per_step * threads * fluid.c.dx / (fluid.c.c0 * dt),
     }
+
+
+def profile(particles: int, model: str) -> list[dict[str, float | str]]:
+    """The stages of a step on one thread: `stage`, nanoseconds per particle `ns`, `share` of the step, and of the two
+    sweeps over the fluid the `rate` of floating-point operations [1/s]."""
+    fluid, dt = developed(particles, model, 1)
+    found = stages(fluid, dt, max(FEWEST, WORK // (4 * fluid.particles())))
+    visits = candidates(fluid.store) * fluid.fluid_count
+    return [
+        {
+            "stage": stage,
+            "ns": 1e9 * seconds / fluid.particles(),
+            "share": seconds / sum(found.values()),
+            "rate": OPERATIONS[model].get(stage, 0.0) * visits / seconds if seconds else 0.0,
+            "candidates": visits / fluid.fluid_count,
+        }
+        for stage, seconds in found.items()
+    ]

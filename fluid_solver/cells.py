@@ -1,4 +1,4 @@
-"""Cell sort, and the candidates of a stretch of cells.
+"""Cell sort, and the segments of rows that sweeps work through (see gather.py).
 
 Cells lie in rows as high as the kernel's support and are `COLUMNS` times narrower than that. Particles are counting-
 sorted by cell, row by row, in each cell fluid before ghosts: cell c holds [start[2c], start[2c + 1]) fluid and
@@ -9,11 +9,6 @@ has moved more than half the skin since the sort: rows are support + skin high.
 In a periodic direction cells tile the period exactly, a little larger than that. A cell at its edge finds its
 neighbours at the other edge, and sees them shifted by the period. Positions are wrapped at the sort and may leave the
 period by half the skin in between.
-
-A sweep works through segments of rows. It copies the three rows around a segment into one contiguous buffer, column by
-column, closed by far-away dummies of no mass. The candidates of a cell are then one run of it, 2 `COLUMNS` + 1 columns
-long, and each particle of the cell runs over them without branches, in whole vectors: that vectorises, which walking
-the cells does not. A run may end beyond its last column: what stands there is out of reach and adds nothing.
 """
 
 from __future__ import annotations
@@ -28,8 +23,6 @@ from shared.jit import inline_njit, njit, parallel_njit
 
 COLUMNS = 2  # cells per support along a row
 SEGMENT = 32  # cells of a row that share a buffer
-LANES = 8  # float64 per vector register (AVX-512); shorter registers divide it
-FAR = 1.0e12  # m; where the dummies stand
 BLOCK = 4096  # particles per task of an elementwise loop
 CHUNKS = 48  # tasks of a sweep; fixed, so that nothing depends on the thread count
 MAX_CELLS = 8_000_000
@@ -198,74 +191,3 @@ def candidates(start, grid, row, first, last):
             of_row = (row + j) * grid.columns
             found += start[2 * (of_row + last + COLUMNS)] - start[2 * (of_row + first - COLUMNS)]
     return found
-
-
-@inline_njit
-def copy_run(source, lo, hi, target, n):
-    """target[n:] = source[lo:hi], in whole vectors: up to LANES − 1 values more are copied, to be overwritten.
-
-    Eight loads before eight stores become one vector each; the compiler's own loop for so short a run costs more than
-    the physics. Indices are masked so that the compiler knows them not to be negative.
-    """
-    for k in range(0, hi - lo, LANES):
-        i = (lo + k) & _NOT_NEGATIVE
-        j = (n + k) & _NOT_NEGATIVE
-        v0, v1, v2, v3 = source[i], source[i + 1], source[i + 2], source[i + 3]
-        v4, v5, v6, v7 = source[i + 4], source[i + 5], source[i + 6], source[i + 7]
-        target[j], target[j + 1], target[j + 2], target[j + 3] = v0, v1, v2, v3
-        target[j + 4], target[j + 5], target[j + 6], target[j + 7] = v4, v5, v6, v7
-
-
-@njit
-def with_targets(start, grid, segment, kind):
-    """Row of a segment, and the part of its columns from the first to the last with targets; first = last for none.
-
-    `kind`: 0 where fluid is looked for, 1 for ghosts.
-    """
-    row, first, last = segment_columns(grid, segment)
-    of_row = row * grid.columns
-    while first < last and start[2 * (of_row + first) + kind] == start[2 * (of_row + first) + kind + 1]:
-        first += 1
-    while first < last and start[2 * (of_row + last - 1) + kind] == start[2 * (of_row + last - 1) + kind + 1]:
-        last -= 1
-    return row, first, last
-
-
-@njit
-def gather(S, rows, kinds, start, grid, row, first, last, buffer, columns):
-    """Copy `rows` (x and y first) of all candidates of the columns [first, last) of `row` into `buffer`.
-
-    `kinds`: 1 for the fluid alone, 2 for fluid and ghosts. `columns`: where each column begins in the buffer, from
-    `COLUMNS` before the first on.
-    """
-    n = 0
-    for column in range(first - COLUMNS, last + COLUMNS):
-        columns[column - first + COLUMNS] = n
-        for j in range(-1, 2):
-            cell, x, y = neighbour(grid, column, row + j)
-            lo = start[2 * cell]
-            hi = start[2 * cell + kinds]
-            for f in range(len(rows)):
-                copy_run(S[rows[f]], lo, hi, buffer[f], n)
-            if x != 0.0 or y != 0.0:
-                for k in range(n, n + hi - lo):
-                    buffer[0, k] += x
-                    buffer[1, k] += y
-            n += hi - lo
-    columns[last - first + 2 * COLUMNS] = n
-    for k in range(n, n + LANES):
-        buffer[0, k] = FAR
-        buffer[1, k] = FAR
-        for f in range(2, len(rows)):
-            buffer[f, k] = 0.0
-
-
-@inline_njit
-def run_of(columns, column):
-    """Bounds in the buffer of the candidates of the `column`-th column gathered, in whole vectors.
-
-    Unsigned, so that the compiler knows that no index is negative: else no loop over them would vectorise.
-    """
-    lo = columns[column]
-    n = (columns[column + 2 * COLUMNS + 1] - lo + LANES - 1) & ~(LANES - 1)
-    return np.uint64(lo), np.uint64(lo + n)

@@ -9,7 +9,7 @@ import typer
 from rich.console import Console
 from rich.table import Table
 
-from fluid_solver.bench import PARTICLE_MODELS, run_benchmark
+from fluid_solver.bench import PARTICLE_MODELS, profile, run_benchmark
 from fluid_solver.models import make_model
 from shared.commands import run_app
 from shared.machine import copy_rate, multiply_add_rate
@@ -43,8 +43,21 @@ def bench(
     Console().print(table)
     print("million/s: particle-steps per second. µs per dx/c0: core time to advance a particle while")
     print("sound passes it. bytes: arrays of a step, per particle.")
+    for name in model:
+        print_profile(particles[len(particles) // 2], name.value)
     peak, copied = multiply_add_rate() / 1e9, copy_rate() / 1e9
     print(f"This machine, one core: {peak:.0f} GFLOP/s multiply-add, {copied:.0f} GB/s copy.")
+
+
+def print_profile(particles: int, model: str) -> None:
+    """Where a step's time goes."""
+    found = profile(particles, model)
+    table = Table(f"{model}, one thread", "ns per particle", "share", "GFLOP/s", box=None)
+    for row in found:
+        rate = f"{row['rate'] / 1e9:.1f}" if row["rate"] else ""
+        table.add_row(row["stage"], f"{row['ns']:.0f}", f"{row['share']:.0%}", rate)
+    Console().print(table)
+    print(f"{found[0]['candidates']:.0f} candidates a particle and sweep, one square root each.\n")
 
 
 def main() -> None:

@@ -48,13 +48,17 @@ def far_off(S, kind, count, rho0, compression):
 
 
 def report_lost(store, reported: int) -> int:
-    """Say so when more fluid has left the domain than `reported`; returns how much has."""
-    if store.parked > reported:
-        gone = np.flatnonzero(store.kind == PARKED)
-        x, y = store.S[X, gone[-1]], store.S[Y, gone[-1]]
-        log.warning(
-            "%d fluid particles have left the domain and are taken out, one near (%.4g, %.4g) m", store.parked, x, y
-        )
+    """Say so when fluid has left the domain: the first time, and each time that twice as much has as was `reported`.
+
+    Returns how much has been reported.
+    """
+    if store.parked < max(1, 2 * reported):
+        return reported
+    gone = np.flatnonzero(store.kind == PARKED)
+    x, y = store.S[X, gone[-1]], store.S[Y, gone[-1]]
+    log.warning(
+        "%d fluid particles have left the domain and are taken out, one near (%.4g, %.4g) m", store.parked, x, y
+    )
     return store.parked
 
 

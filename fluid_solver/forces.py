@@ -14,8 +14,8 @@ from functools import cache
 
 import numba
 
-from fluid_solver.cells import gather, run_of, with_targets
 from fluid_solver.fields import AX, AY, FRICTION, GX, GY, NEW_NX, NEW_NY, NX, NY, PR2, SX, SY, VOL, M, X, Y
+from fluid_solver.gather import gather, run_of, with_targets
 from fluid_solver.shifting import shift_velocity
 from fluid_solver.surface import surface_normal
 from fluid_solver.terms import (

@@ -14,10 +14,10 @@ import numpy as np
 
 from fluid_solver.fields import FREE_SLIP, NO_SLIP, STRUCTURE
 from fluid_solver.flows import initial_flow, largest_field_speed
-from fluid_solver.motion import largest_speed
 from fluid_solver.period import period_of, within_period
 from shared.contract import BadInput
 from shared.geometry import contains, distance_to, fill, ghosts, outline, wall_particles
+from shared.motion_table import largest_speed
 from shared.schema import Body, Scene, Wall
 
 MACH = 0.1  # largest expected speed over the automatic sound speed: density varies by 1 %
@@ -63,9 +63,7 @@ def sound_speed(scene: Scene) -> float:
     points = np.concatenate([outline(body).reshape(-1, 2) for body in fluid.bodies])
     height = np.ptp(points @ np.asarray(scene.gravity)) / g if g > 0.0 else 0.0
     start = max(math.hypot(*body.velocity) + largest_field_speed(body) for body in fluid.bodies)
-    walls = max(
-        (largest_speed(wall.motion) if wall.motion else abs(wall.surface_speed) for wall in scene.walls), default=0.0
-    )
+    walls = max((wall_speed(wall) for wall in scene.walls), default=0.0)
     speed = max(math.sqrt(2.0 * g * height + start * start), walls)
     if speed == 0.0:
         raise BadInput(
@@ -73,6 +71,11 @@ def sound_speed(scene: Scene) -> float:
             "and no moving wall: give fluid.sound_speed in m/s, ten times the largest speed you expect."
         )
     return speed / MACH
+
+
+def wall_speed(wall: Wall) -> float:
+    """Largest speed [m/s] of a wall."""
+    return largest_speed(wall.motion, wall.polyline) if wall.motion else abs(wall.surface_speed)
 
 
 def fluid_particles(scene: Scene, c0: float) -> FluidParticles:

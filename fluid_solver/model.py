@@ -6,7 +6,6 @@ differ by the terms that are compiled into the sweeps.
 
 from __future__ import annotations
 
-import math
 from collections.abc import Mapping
 
 import numba
@@ -17,7 +16,7 @@ from fluid_solver.fields import FLUID, FREE_SLIP, FRICTION, GX, GY, PARKED, PR2,
 from fluid_solver.forces import make_forces
 from fluid_solver.initial import fluid_particles, lay_ghosts, sound_speed
 from fluid_solver.integrate import advance_and_drift, keep_volume, kick, kick_and_drift, largest
-from fluid_solver.motion import POSE, WallMotion, place_ghosts, structure_pose
+from fluid_solver.motion import GhostMotion, place_ghosts
 from fluid_solver.observe import Observer
 from fluid_solver.parameters import Parameters, courant_of, parameters
 from fluid_solver.period import period_of, wrapped
@@ -27,12 +26,11 @@ from fluid_solver.store import Store
 from fluid_solver.thin import refuse_thin
 from fluid_solver.walls import make_ghost_velocity, make_ghosts
 from shared.contract import Description, Frame, Kinematics, Loads
+from shared.fluid_step import fluid_step
 from shared.kernels import kernel_named
 from shared.schema import Scene
 
 SERIAL_BELOW = 5000  # particles; fewer run faster on one thread
-FORCE_STEP = 0.25  # of √(h/|a|)
-VISCOUS_STEP = 0.125  # of h²/ν
 
 
 class ParticleFluid:
@@ -62,31 +60,14 @@ class ParticleFluid:
             *_initial_state(water, self.ghosts), self.c.support, diagnosis.domain_of(scene), period_of(scene)
         )
         self._threads = threads if self.particles() >= SERIAL_BELOW else 1
-        self._set_up_motion()
+        self._motion = GhostMotion(scene, self.ghosts)
         self.force = np.zeros((len(self.ghosts.position), 2))  # N/m on every ghost, at the last step's end
+        self._mean_force = np.zeros_like(self.force)  # the same, mean over the last window
         self._volume = 0.0  # m² that the walls leave the fluid; 0 where it has a free surface
         self._speed = 0.0  # largest |u| at the last half step
         self._steps = 0
         self._lost = 0  # particles out of the domain that have been reported
         self._observer = Observer(scene, kernel, self.c, self.ghosts, self._first, water.body)
-
-    def _set_up_motion(self) -> None:
-        owner, rest, normal = self.ghosts.owner[: self._walls], self.ghosts.position, self.ghosts.normal
-        self._moving = [
-            (
-                np.flatnonzero(owner == k),
-                WallMotion(wall.motion, rest[: self._walls][owner == k], normal[: self._walls][owner == k]),
-            )
-            for k, wall in enumerate(self.scene.walls)
-            if wall.motion
-        ]
-        self._pose = np.zeros((len(rest), POSE))
-        self._pose[:, :2], self._pose[:, 6:] = rest, normal
-        sliding = np.array([wall.surface_speed for wall in self.scene.walls])
-        if sliding.any():  # a turn of the normal, which points to the right of the polyline, is along it
-            self._pose[: self._walls, 2:4] = sliding[owner, None] * np.c_[-normal[:, 1], normal[:, 0]][: self._walls]
-        self._x0 = rest[self._walls :].copy()  # structure ghosts at the window's start
-        self._v0 = np.zeros_like(self._x0)
 
     # ---- the contract ---------------------------------------------------------------------------------------------
 
@@ -114,22 +95,26 @@ class ParticleFluid:
     def begin(self, motion: Kinematics | None) -> Loads:
         """Ghosts in place, first sort, pressures of ghosts and accelerations at t = 0."""
         numba.set_num_threads(self._threads)
-        if motion is not None:
-            self._x0[...], self._v0[...] = motion.position, motion.velocity
+        self._motion.start(motion)
         self._place(0.0, 0.0, 1.0, motion, always=True)
         store = self.store
         store.sort(0.0)
         self._speed = largest(store.S, store.kind, store.count, store.speeds)[0]
-        self._ghost_velocity(store.S, store.kind, store.ids, *store.cells(), self.c, self._first, self._pose)
+        self._ghost_velocity(store.S, store.kind, store.ids, *store.cells(), self.c, self._first, self._motion.pose)
         self._accelerate()
         self._volume = self._enclosed_volume()
         kick(store.S, store.kind, store.count, 0.0, self._transported, store.work)
-        return self._loads(self.force[self._walls :].copy())
+        self._mean_force[...] = self.force
+        return self._loads()
 
     def _enclosed_volume(self) -> float:
         """Volume [m²] of fluid without a free surface between walls that stand still; 0 for any other."""
         store = self.store
-        if self._moving or self._coupled or lowest_filling(store.S, store.start, store.grid, self.c) < FILLED:
+        if (
+            not self._motion.still(None)
+            or self._coupled
+            or lowest_filling(store.S, store.start, store.grid, self.c) < FILLED
+        ):
             return 0.0
         return float(store.S[VOL, store.kind == FLUID].sum())
 
@@ -138,27 +123,22 @@ class ParticleFluid:
         store, c = self.store, self.c
         numba.set_num_threads(self._threads)
         u, a = largest(store.S, store.kind, store.count, store.speeds)
-        step = self._courant * c.h / (c.c0 + u)
-        if c.nu > 0.0:
-            step = min(step, VISCOUS_STEP * c.h**2 / c.nu)
-        if a > 0.0:
-            step = min(step, FORCE_STEP * math.sqrt(c.h / a))
-        return step
+        return fluid_step(self._courant, c.h, c.c0 + u, c.nu, a)
 
     def advance(self, t0: float, t1: float, substeps: int, boundary: Kinematics | None) -> Loads:
         """Integrate from t0 to t1 [s] in equal steps; the ghosts of structures follow `boundary`."""
         numba.set_num_threads(self._threads)
         dt = (t1 - t0) / substeps
-        structure = slice(self._walls, None)
-        mean = np.zeros_like(self.force[structure])
+        mean = self._mean_force
+        mean[...] = 0.0
         for k in range(substeps):
-            mean += self.force[structure]
+            mean += self.force
             self._step(dt, t0, k * dt, t1 - t0, boundary)
-            mean += self.force[structure]
+            mean += self.force
+        mean *= 0.5 / substeps
         self._steps += substeps
-        if boundary is not None:
-            self._x0[...], self._v0[...] = boundary.position, boundary.velocity
-        return self._loads(mean * (0.5 / substeps))
+        self._motion.start(boundary)
+        return self._loads()
 
     def _step(self, dt: float, t0: float, since: float, length: float, boundary: Kinematics | None) -> None:
         """One kick-drift-kick step of `dt` [s], at `since` after the start t0 of a window of `length`."""
@@ -167,12 +147,12 @@ class ParticleFluid:
         self._speed, drift = kick_and_drift(store.S, store.kind, store.count, dt, store.speeds)
         self._place(t0, since + 0.5 * dt, length, boundary)
         # 3  cells, once particles have moved too far for the present ones
-        reach = 0.5 * dt * max(drift, self._ghost_speed(boundary))
+        reach = 0.5 * dt * max(drift, self._motion.speed(boundary))
         store.moved += reach
         store.sort_if_moved(reach)
         # 4, 5  ghosts' velocities and rates at the middle; p and ρ a full step on
         # 6     x += (u_half + δu) dt/2; walls and ghosts to the end
-        self._ghost_velocity(store.S, store.kind, store.ids, *store.cells(), c, self._first, self._pose)
+        self._ghost_velocity(store.S, store.kind, store.ids, *store.cells(), c, self._first, self._motion.pose)
         self._rates(store.S, *store.cells(), c, store.work)
         advance_and_drift(store.S, store.kind, store.count, dt, c, store.work, store.clipped)
         if self._volume > 0.0:
@@ -191,27 +171,16 @@ class ParticleFluid:
 
     def _place(self, t0, since, length, boundary, always=False) -> None:
         """Ghosts to the pose they have `since` seconds after t0; nothing to do when all stand still."""
-        if boundary is None and not self._moving and not always:
+        if self._motion.still(boundary) and not always:
             return
-        for rows, motion in self._moving:
-            self._pose[rows] = motion.pose(t0 + since)
-        if boundary is not None:
-            a = boundary.acceleration_mean
-            if not self.scene.fluid.structure_acceleration:
-                a = np.zeros_like(a)
-            end, pose = (boundary.position, boundary.velocity), self._pose[self._walls :]
-            structure_pose(since / length, length, self._x0, self._v0, *end, a, pose)
+        self._motion.to(t0, since, length, boundary)
         s = self.store
-        place_ghosts(s.S, s.kind, s.ids, s.count, s.grid, self._first, self._pose)
+        place_ghosts(s.S, s.kind, s.ids, s.count, s.grid, self._first, self._motion.pose)
 
-    def _ghost_speed(self, boundary: Kinematics | None) -> float:
-        if boundary is None and not self._moving:
-            return 0.0
-        return math.sqrt(np.max(np.sum(self._pose[:, 2:4] ** 2, axis=1), initial=0.0))
-
-    def _loads(self, force: np.ndarray) -> Loads:
+    def _loads(self) -> Loads:
         last = self._first + len(self.ghosts.position)
-        return Loads(self.store.in_order_of_ids([P], self._first + self._walls, last)[0], force)
+        pressure = self.store.in_order_of_ids([P], self._first + self._walls, last)[0]
+        return Loads(pressure, self._mean_force[self._walls :].copy())
 
     # ---- state and observation --------------------------------------------------------------------------------------
 
@@ -220,9 +189,9 @@ class ParticleFluid:
         return {
             **self.store.state(),
             "force": self.force,
-            "x0": self._x0,
-            "v0": self._v0,
-            "pose": self._pose,
+            "x0": self._motion.x0,
+            "v0": self._motion.v0,
+            "pose": self._motion.pose,
             "speed": np.array([self._speed]),
             "volume": np.array([self._volume]),
         }
@@ -230,7 +199,8 @@ class ParticleFluid:
     def restore(self, state: Mapping[str, np.ndarray]) -> None:
         """Back to a `state`, bit for bit."""
         self.store.restore(state)
-        for name, array in (("force", self.force), ("x0", self._x0), ("v0", self._v0), ("pose", self._pose)):
+        moved = {"x0": self._motion.x0, "v0": self._motion.v0, "pose": self._motion.pose}
+        for name, array in ({"force": self.force} | moved).items():
             array[...] = state[name]
         self._speed, self._volume = float(state["speed"][0]), float(state["volume"][0])
 
@@ -241,7 +211,7 @@ class ParticleFluid:
 
     def probe_values(self) -> dict[str, float]:
         """Present values of the scene's fluid probes."""
-        return self._observer.values(self.store, self.force)
+        return self._observer.values(self.store, self._mean_force)
 
     def frame(self) -> Frame:
         """All fluid particles inside the domain, in their first order: velocity, pressure, density."""

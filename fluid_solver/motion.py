@@ -9,14 +9,62 @@ import math
 
 import numba
 import numpy as np
-from scipy.interpolate import PchipInterpolator
 
 from fluid_solver.cells import BLOCK
 from fluid_solver.fields import AX, AY, FLUID, PARKED, U, V, X, Y
+from fluid_solver.initial import Ghosts
+from shared.contract import Kinematics
 from shared.jit import inline_njit, njit, parallel_njit
-from shared.schema import Motion
+from shared.motion_table import MotionTable
+from shared.schema import Motion, Scene
 
 POSE = 8
+
+
+class GhostMotion:
+    """Where all ghosts are and how they move: walls by the scene's tables, structures as they say of the window.
+
+    `pose` (n, 8); `x0`, `v0` (m, 2): position [m] and velocity [m/s] of the structures' ghosts at the window's start.
+    """
+
+    def __init__(self, scene: Scene, ghosts: Ghosts):
+        rest, normal = ghosts.position, ghosts.normal
+        self._walls, self._accelerated = ghosts.walls, scene.fluid.structure_acceleration
+        owner = ghosts.owner[: self._walls]
+        self._tables = [
+            (rows, WallMotion(wall.motion, rest[rows], normal[rows]))
+            for rows, wall in ((np.flatnonzero(owner == k), wall) for k, wall in enumerate(scene.walls))
+            if wall.motion
+        ]
+        self.pose = np.zeros((len(rest), POSE))
+        self.pose[:, :2], self.pose[:, 6:] = rest, normal
+        sliding = np.array([wall.surface_speed for wall in scene.walls])
+        if sliding.any():  # a turn of the normal, which points to the right of the polyline, is along it
+            self.pose[: self._walls, 2:4] = sliding[owner, None] * np.c_[-normal[:, 1], normal[:, 0]][: self._walls]
+        self.x0 = rest[self._walls :].copy()
+        self.v0 = np.zeros_like(self.x0)
+
+    def still(self, boundary: Kinematics | None) -> bool:
+        """Whether no ghost moves."""
+        return boundary is None and not self._tables
+
+    def to(self, t0: float, since: float, length: float, boundary: Kinematics | None) -> None:
+        """Set `pose` to what it is `since` seconds after the start t0 of a window of `length`."""
+        for rows, motion in self._tables:
+            self.pose[rows] = motion.pose(t0 + since)
+        if boundary is not None:
+            a = boundary.acceleration_mean if self._accelerated else np.zeros_like(boundary.acceleration_mean)
+            end, pose = (boundary.position, boundary.velocity), self.pose[self._walls :]
+            structure_pose(since / length, length, self.x0, self.v0, *end, a, pose)
+
+    def start(self, boundary: Kinematics | None) -> None:
+        """A window begins where `boundary` ended."""
+        if boundary is not None:
+            self.x0[...], self.v0[...] = boundary.position, boundary.velocity
+
+    def speed(self, boundary: Kinematics | None) -> float:
+        """Largest speed [m/s] of a ghost that moves."""
+        return 0.0 if self.still(boundary) else math.sqrt(np.max(np.sum(self.pose[:, 2:4] ** 2, axis=1), initial=0.0))
 
 
 class WallMotion:
@@ -24,44 +72,22 @@ class WallMotion:
 
     def __init__(self, motion: Motion, reference: np.ndarray, normal: np.ndarray):
         """`reference` (n, 2) [m], `normal` (n, 2): of the wall's ghosts in the reference position."""
-        self._normal = normal
-        self._arm = reference - np.asarray(motion.about)
-        self._about = np.asarray(motion.about)
-        self._end = motion.times[-1]
-        self._curve = _curve(motion)
+        self._table, self._normal = MotionTable(motion), normal
+        self._arm = reference - self._table.about
 
     def pose(self, time: float) -> np.ndarray:
         """Pose (n, 8) of the ghosts at `time` [s]."""
-        (x, y, angle), (u, v, spin), (ax, ay, turn) = (self._at(time, order) for order in range(3))
+        (x, y, angle), (u, v, spin), (ax, ay, turn) = self._table.at(time)
         c, s = math.cos(angle), math.sin(angle)
         turned = np.array([[c, s], [-s, c]])
         arm = self._arm @ turned
         across = np.c_[-arm[:, 1], arm[:, 0]]
         return np.c_[
-            self._about + arm + (x, y),
+            self._table.about + arm + (x, y),
             spin * across + (u, v),
             turn * across - spin * spin * arm + (ax, ay),
             self._normal @ turned,
         ]
-
-    def _at(self, time: float, order: int) -> np.ndarray:
-        if time > self._end and order > 0:
-            return np.zeros(3)
-        return self._curve(min(time, self._end), order)
-
-
-def largest_speed(motion: Motion) -> float:
-    """Largest translation speed [m/s] of a motion."""
-    times = np.linspace(0.0, motion.times[-1], 1001)
-    return float(np.hypot(*_curve(motion)(times, 1)[:, :2].T).max())
-
-
-def _curve(motion: Motion) -> PchipInterpolator:
-    """x, y [m] and angle [rad] over time."""
-    n = len(motion.times)
-    shift = np.zeros((n, 2)) if motion.translation is None else np.asarray(motion.translation, dtype=float)
-    angle = np.zeros(n) if motion.rotation is None else np.radians(motion.rotation)
-    return PchipInterpolator(motion.times, np.c_[shift, angle])
 
 
 @njit

@@ -34,14 +34,16 @@ class Observer:
         return probe.body not in self._solids or probe.quantity in _FORCES
 
     def values(self, store, force: np.ndarray) -> dict[str, float]:
-        """Present value of every fluid probe, by name. `force` (ghosts, 2) [N/m]: of the fluid on each ghost."""
+        """Present value of every fluid probe, by name. `force` (ghosts, 2) [N/m]: of the fluid on each ghost, mean
+        over the last window."""
         return {probe.name: float(self._value(probe, store, force)) for probe in self._probes}
 
     def _value(self, probe: Probe, store, force: np.ndarray) -> float:
         S, quantity = store.S[:, : store.count], probe.quantity
         kind = store.kind[: store.count]
         if quantity in _SAMPLED:
-            return sample(S, kind, self._kernel, *probe.point, store.grid, self._c)[_SAMPLED.index(quantity)]
+            sensor = self._sensor(probe)
+            return sample(S, kind, self._kernel, *probe.point, store.grid, sensor)[_SAMPLED.index(quantity)]
         if quantity == "elevation":
             return surface_at(S, kind, self._kernel, probe.point[0], store.grid, self._c) - probe.point[1]
         if quantity in _FORCES:
@@ -64,6 +66,11 @@ class Observer:
             return kinetic(S[:, chosen]) + stored(S[:, chosen], self._c)
         axis = X if quantity == "front-x" else Y
         return self._front(S, chosen, axis)
+
+    def _sensor(self, probe: Probe):
+        """The fluid's constants with a kernel as wide as the probe's extent, if that is wider than the fluid's own."""
+        wider = 0.5 * (probe.extent or 0.0) / self._c.support
+        return self._c if wider <= 1.0 else self._c._replace(h=wider * self._c.h, support=wider * self._c.support)
 
     def _front(self, S: np.ndarray, chosen: np.ndarray, axis: int) -> float:
         """Largest coordinate of connected fluid, at the face of its last particle [m]."""

@@ -8,6 +8,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from shared.fluid_step import COURANT, LARGEST_COURANT
 from shared.kernels import Kernel, evaluate
 from shared.schema import Fluid, Scene
 
@@ -15,13 +16,6 @@ EDAC_ALPHA = 0.5  # ν_e = EDAC_ALPHA h c0/8 (Ramachandran & Puri 2019)
 _WEAKEST = {"limited": -0.01, "none": 0.0, "free": -math.inf}
 """Lowest pressure over ρ0 c0². Limited: c0 is ten times the largest speed expected, so this is twice the flow's own
 dynamic pressure. Beyond it, pulled particles clump, lose the density that would stop them at a wall, and shoot out."""
-MOST_COURANT = 1.5
-COURANT = {"ctvf": 0.8, "wcsph": 0.9}
-"""Time step over h/(c0 + speed). Dam breaks through the far-wall impact ran at 1.5 with dx 4 mm, both models (Wendland
-C2 at h = 1.3 dx and α 0.1 or 0.02; quintic spline at h = dx and 1.3 dx), wcsph also with dx 2 mm (Wendland C2; 1.6
-failed). Past 1.2 (ctvf) total energy rises by up to 0.5 % between frames. Energies at a quarter of the step: alike to
-1e-4 until the impact."""
-
 log = logging.getLogger("shearwater")
 
 
@@ -74,13 +68,14 @@ def gradient_factor(kernel: Kernel, h_over_dx: float) -> float:
 
 
 def courant_of(fluid: Fluid) -> float:
-    """Time step over h/(c0 + speed): the scene's, or what was measured to be stable with a margin."""
+    """Time step over h/(c0 + speed): the scene's, or what was measured to be stable and accurate."""
     if fluid.courant == "auto":
         return COURANT[fluid.model]
-    if fluid.courant > MOST_COURANT:
+    if fluid.courant > LARGEST_COURANT[fluid.model]:
         log.warning(
-            "fluid.courant = %g: dam breaks were measured to be stable up to %g only; watch the total energy",
+            "fluid.courant = %g: dam breaks were measured to be stable up to %g only with %s; watch the total energy",
             fluid.courant,
-            MOST_COURANT,
+            LARGEST_COURANT[fluid.model],
+            fluid.model,
         )
     return fluid.courant

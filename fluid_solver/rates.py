@@ -18,8 +18,8 @@ from functools import cache
 
 import numba
 
-from fluid_solver.cells import gather, run_of, with_targets
 from fluid_solver.fields import DP, GX, GY, RHO, SX, SY, VOL, P, U, V, X, Y
+from fluid_solver.gather import gather, run_of, with_targets
 from fluid_solver.surface import ISOLATED
 from fluid_solver.terms import pressure_diffusion, transport, velocity_divergence
 from shared.jit import parallel_njit

@@ -10,7 +10,6 @@ from fluid_solver.cells import (
     BLOCK,
     CHUNKS,
     COLUMNS,
-    LANES,
     MAX_CELLS,
     SEGMENT,
     Grid,
@@ -22,6 +21,7 @@ from fluid_solver.cells import (
     wrap,
 )
 from fluid_solver.fields import WORK_ROWS
+from fluid_solver.gather import LANES
 from shared.contract import SolverFailed
 
 BUFFER_ROWS = 12  # the widest sweep's rows

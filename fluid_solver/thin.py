@@ -1,8 +1,9 @@
 """Structures too thin for their two sides to be told apart.
 
 A ghost carries one pressure. In a plate thinner than the kernel's support it hears the water on both faces, and water
-may hear water through it. Measured, two reservoirs of 0.3 and 0.2 m either side of a plate, dx 10 mm: the net load is
-8.5 % low at one dx of thickness, 4.5 % at two, 3.2 % at three, 2.8 % at four and above.
+may hear water through it. Measured (two_reservoirs), waters of 0.3 and 0.2 m either side of a plate: the net load is
+7 % low at one dx of thickness (ctvf; wcsph 4 %), 3.2 % at two, 2.9 % at three, 2.1 to 2.6 % at four; with h = 2 dx,
+whose support is 4 dx wide, 10, 6, 4 and 2.6 %. What is left at four is of the corner under the plate.
 """
 
 from __future__ import annotations

@@ -25,7 +25,6 @@ from functools import cache
 
 import numba
 
-from fluid_solver.cells import gather, run_of, with_targets
 from fluid_solver.fields import (
     AX,
     AY,
@@ -45,6 +44,7 @@ from fluid_solver.fields import (
     Y,
 )
 from fluid_solver.forces import pair_force
+from fluid_solver.gather import gather, run_of, with_targets
 from shared.jit import inline_njit, parallel_njit
 from shared.kernels import kernel_f, kernel_w
 

@@ -7,6 +7,8 @@ from scipy.interpolate import PchipInterpolator
 
 from shared.schema import Motion
 
+_SAMPLES = 1001  # times at which a motion's speed is looked at
+
 
 class MotionTable:
     """A scene's `Motion` as a function of time; held after its last time."""
@@ -30,3 +32,11 @@ class MotionTable:
     def displacements(self, times: np.ndarray) -> np.ndarray:
         """Displacement x, y [m] and angle [rad], (k, 3), at `times` (k,) [s]."""
         return self._curve(np.minimum(times, self._end))
+
+
+def largest_speed(motion: Motion, corners: np.ndarray) -> float:
+    """A bound of the speed [m/s] of the points `corners` (n, 2) [m]: translation, and rotation at the farthest."""
+    table = MotionTable(motion)
+    reach = float(np.hypot(*(np.asarray(corners, dtype=float) - table.about).T).max())
+    rates = np.array([table.at(time)[1] for time in np.linspace(0.0, motion.times[-1], _SAMPLES)])
+    return float(np.max(np.hypot(rates[:, 0], rates[:, 1]) + reach * np.abs(rates[:, 2])))

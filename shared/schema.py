@@ -255,11 +255,21 @@ class Fluid(Table):
         ),
     )
     kernel: KernelName = key("wendland-c2", about="smoothing kernel")
-    h_over_dx: float = key(1.3, unit="-", about="smoothing length over spacing", ge=0.8, le=3.0)
+    h_over_dx: float = key(
+        1.3,
+        unit="-",
+        about=(
+            "smoothing length over spacing. 1.3 (21 neighbours with wendland-c2): violent flows; 2.0 (50): water at "
+            "rest, waves, bodies under water, where a lattice of few neighbours bears shear and pressures are 1 % off; "
+            "3.0 (113): viscous flows to a fraction of a percent"
+        ),
+        ge=0.8,
+        le=3.0,
+    )
     courant: Annotated[float, Field(gt=0.0, le=3.0)] | Literal["auto"] = key(
         "auto",
         unit="-",
-        about="time step over h/(c0 + speed); auto: measured to be stable for the model and kernel",
+        about="time step over h/(c0 + speed); auto: measured to be stable and accurate, 0.9 for ctvf, 1.3 for wcsph",
     )
     initial_pressure: Literal["hydrostatic", "zero"] = key(
         "hydrostatic",
@@ -472,8 +482,8 @@ class Probe(Table):
             "damping, viscosity and the time integration), momentum-x, -y, angular-momentum (about the origin), "
             "reaction-x, -y (force of all clamps on the body), spacing-max (largest distance to the nearest particle "
             "over the spacing): of a solid body; stress-xx, -yy, -xy, von-mises: Cauchy stress at a material point of "
-            "a solid; force-x, -y: of the fluid on a solid body or wall; leaked: fluid particles through walls or out "
-            "of the domain"
+            "a solid; force-x, -y: of the fluid on a solid body or wall, mean over the last window; leaked: fluid "
+            "particles through walls or out of the domain"
         )
     )
     body: Name | None = key(
@@ -482,6 +492,11 @@ class Probe(Table):
     )
     point: Pair | None = key(
         None, unit="m", about="material point in the reference configuration, or place in the fluid"
+    )
+    extent: Positive | None = key(
+        None,
+        unit="m",
+        about="diameter of a sensor: pressure or velocity of the fluid averaged over it; absent: the kernel's support",
     )
 
 

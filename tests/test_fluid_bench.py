@@ -3,7 +3,7 @@
 import pytest
 from typer.testing import CliRunner
 
-from fluid_solver.bench import run_benchmark
+from fluid_solver.bench import profile, run_benchmark
 from fluid_solver.cli import app
 
 
@@ -22,5 +22,13 @@ def test_benchmark_prints_a_row_for_every_choice_and_the_machine():
     arguments = ["bench", "--model", "wcsph", "--particles", "1000", "--particles", "1200", "--threads", "1"]
     result = CliRunner().invoke(app, arguments)
     assert result.exit_code == 0, result.output
-    assert result.output.count("wcsph") == 2
+    assert result.output.count("wcsph") == 3  # two rows, and the profile's heading
     assert "GFLOP/s" in result.output
+
+
+@pytest.mark.timeout(120)
+def test_profile_adds_up_to_the_step():
+    rows = profile(2000, "wcsph")
+    assert sum(row["share"] for row in rows) == pytest.approx(1.0)
+    assert all(row["ns"] > 0.0 for row in rows)
+    assert 21 < rows[0]["candidates"] < 80  # all that lie within the support are among them

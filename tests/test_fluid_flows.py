@@ -133,6 +133,46 @@ def test_a_thin_plate_feels_the_difference_of_its_two_waters(thickness):
     assert model.probe_values()["lost"] == 0.0
 
 
+@pytest.mark.slow
+@pytest.mark.parametrize("model_name", ["ctvf", "wcsph"])
+@pytest.mark.parametrize("dx", ["0.02", "0.01"])
+def test_a_block_under_water_is_lifted_by_what_it_displaces(model_name, dx):
+    """2 and 4 dx thick: within 1 % of Archimedes, a thousandth of what presses on its faces."""
+    model = begun(load_scene("submerged_block", [f"fluid.model={model_name}", f"fluid.dx={dx}"]))
+    time, lift = history(model, 0.8, 40, "lift")
+    assert lift[time > 0.4].mean() == pytest.approx(1000.0 * 9.81 * 0.2 * 0.04, rel=0.01)
+
+
+def test_a_sensor_averages_over_its_extent():
+    """A field that is 1 kPa within 12 mm of a point and none beyond: a wide sensor reads less."""
+    probes = [{"name": "point", "quantity": "pressure", "point": (0.1, 0.08)}]
+    probes.append(probes[0] | {"name": "wide", "extent": 0.1})
+    table = tank(gravity=(0.0, 0.0), sound_speed=10.0).model_dump(by_alias=True) | {"probes": probes}
+    model = make_model(type(tank()).model_validate(table), False, 1)
+    S = model.store.S
+    S[P] = np.where(np.hypot(S[X] - 0.1, S[Y] - 0.08) < 0.012, 1000.0, 0.0)
+    values = model.probe_values()
+    assert 0.1 * values["point"] < values["wide"] < 0.5 * values["point"]
+
+
+def test_force_on_a_wall_is_the_mean_over_the_window():
+    """A jet that ends: force × window is the momentum that the fluid lost, however long the window."""
+    jet = {"name": "jet", "rectangle": (0.005, 0.0, 0.055, 0.05), "velocity": (-1.0, 0.0)}
+    wall = {"name": "wall", "polyline": [(0.0, 0.2), (0.0, -0.2)]}
+    probes = [{"name": "push", "quantity": "force-x", "body": "wall"}]
+    model = begun(scene([jet], [wall], gravity=(0.0, 0.0), sound_speed=15.0, probes=probes))
+    before = M_U(model)
+    model.advance(0.0, 0.02, int(np.ceil(0.02 / model.stable_step())), None)
+    assert -model.probe_values()["push"] * 0.02 == pytest.approx(M_U(model) - before, rel=1e-9)
+    assert M_U(model) - before > 0.5
+
+
+def M_U(model) -> float:
+    """Momentum along x [N s/m] of the fluid."""
+    mass, u = fluid_rows(model, M, U)
+    return float(mass @ u)
+
+
 def test_a_plate_too_thin_for_two_waters_is_refused():
     with pytest.raises(BadInput, match="averag"):
         make_model(two_reservoirs(0.01), False, 1)

@@ -1,0 +1,65 @@
+"""Where a step's time goes, and how near its sweeps come to what the machine can do.
+
+A particle of a cell visits all candidates of the three rows and five columns around it: two fifths of them lie within
+the support; the others are the price of loops without branches, in whole vectors. Each visit takes one square root in
+either sweep and a division in that of forces, which pass one by one through a unit that does nothing else: they are
+half of what a sweep takes, and additions and products, of which the peak is made, fill a third of their slots.
+
+Tried without gain on a machine of 57 GFLOP/s multiply-add and 22 GB/s copy per core: three or four columns per support
+(fewer candidates in shorter runs), sorting keys on two threads, gathering field by field, 512-bit registers, and roots
+by way of float32 and Newton's steps, whose arithmetic takes as long as the root that it saves. Not tried, for order in
+time would be lost: rates and forces in one sweep.
+"""
+
+from __future__ import annotations
+
+import time
+
+import numpy as np
+
+from fluid_solver.cells import COLUMNS
+
+OPERATIONS = {"wcsph": {"rates": 25, "forces": 33}, "ctvf": {"rates": 40, "forces": 56}}
+"""Floating-point operations per candidate, root and division counted as one, by hand from terms.py and kernels.py."""
+_STAGES = {
+    "_ghost_velocity": "ghosts' velocities",
+    "_rates": "rates",
+    "_ghost_sweep": "ghosts' pressures and forces",
+    "_forces": "forces",
+}
+
+
+def stages(fluid, dt: float, steps: int) -> dict[str, float]:
+    """Seconds per step of every stage of a `ParticleFluid` under way, over `steps` steps of `dt` [s]."""
+    spent = dict.fromkeys([*_STAGES.values(), "cell sort"], 0.0)
+    timed = [(fluid, name, stage) for name, stage in _STAGES.items()] + [(fluid.store, "sort", "cell sort")]
+    for owner, name, stage in timed:
+        setattr(owner, name, _timed(getattr(owner, name), spent, stage))
+    begun = time.perf_counter()
+    fluid.advance(0.0, steps * dt, steps, None)
+    whole = time.perf_counter() - begun
+    for owner, name, _ in timed:
+        setattr(owner, name, getattr(owner, name).__wrapped__)
+    spent["kicks, drifts, the rest"] = whole - sum(spent.values())
+    return {stage: seconds / steps for stage, seconds in spent.items()}
+
+
+def _timed(call, spent: dict[str, float], stage: str):
+    def timed(*arguments):
+        begun = time.perf_counter()
+        call(*arguments)
+        spent[stage] += time.perf_counter() - begun
+
+    timed.__wrapped__ = call
+    return timed
+
+
+def candidates(store) -> float:
+    """Candidates that a fluid particle visits in a sweep, on average."""
+    shape = store.grid.rows, store.grid.columns
+    starts = store.start[: 2 * shape[0] * shape[1] + 1]
+    counts = (starts[1::2] - starts[:-1:2]).reshape(shape)
+    everything = (starts[2::2] - starts[:-1:2]).reshape(shape)
+    rows = sum(np.roll(everything, k, axis=0) for k in (-1, 0, 1))
+    around = sum(np.roll(rows, k, axis=1) for k in range(-COLUMNS, COLUMNS + 1))
+    return float(np.sum(counts * around) / np.sum(counts))

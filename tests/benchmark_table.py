@@ -1,0 +1,38 @@
+"""A benchmark's table: rows of text cells kept as CSV, and shown as Markdown beside it."""
+
+from __future__ import annotations
+
+import csv
+from collections.abc import Sequence
+from pathlib import Path
+
+RESULTS = Path(__file__).resolve().parent.parent / "cases" / "results"
+MET, MISSED = "met", "missed"
+
+
+def verdict(kept: bool | None) -> str:
+    """The word for a demand that is kept or not; nothing where nothing is demanded."""
+    return "" if kept is None else MET if kept else MISSED
+
+
+def read_table(name: str, columns: Sequence[str]) -> dict[str, dict[str, str]]:
+    """The rows of cases/results/NAME.csv, by demand."""
+    path = RESULTS / f"{name}.csv"
+    if not path.is_file():
+        return {}
+    with path.open(newline="", encoding="utf-8") as file:
+        return {row["demand"]: {c: row.get(c) or "" for c in columns} for row in csv.DictReader(file)}
+
+
+def write_table(name: str, columns: Sequence[str], rows: Sequence[dict[str, str]], head: str) -> None:
+    """Write the rows to cases/results/NAME.csv, and `head` and the rows to NAME.md."""
+    rows = [dict.fromkeys(columns, "") | row for row in rows]
+    with (RESULTS / f"{name}.csv").open("w", newline="", encoding="utf-8") as file:
+        writer = csv.DictWriter(file, columns, lineterminator="\n")
+        writer.writeheader()
+        writer.writerows(rows)
+    missed = [row["demand"] for row in rows if row["verdict"] == MISSED]
+    lines = [head, "", f"Missed: {', '.join(missed) or 'nothing'}.", ""]
+    lines += ["| " + " | ".join(columns) + " |", "|" + "---|" * len(columns)]
+    lines += ["| " + " | ".join(row[c].replace("|", "\\|") for c in columns) + " |" for row in rows]
+    (RESULTS / f"{name}.md").write_text("\n".join(lines) + "\n", encoding="utf-8")

@@ -1,0 +1,101 @@
+"""Ghosts of walls and structures: their pressure, their places, their motion."""
+
+import numpy as np
+import pytest
+
+from fluid_solver.fields import AX, AY, FLUID, RHO, STRUCTURE, P, U, X, Y
+from fluid_solver.models import make_model
+from fluid_solver.motion import WallMotion, structure_pose
+from shared.schema import Motion
+from tests.test_fluid_model import G, begun, fluid_rows, run, scene, tank
+
+
+def test_ghost_pressure_is_exact_for_a_linear_field():
+    """Eq. 14 with the wall's acceleration: p = ρ (g − a)·x + const is extended without error."""
+    model = begun(tank())
+    store = model.store
+    fluid, ghost = store.kind == FLUID, store.kind != FLUID
+    a = np.array([2.0, -1.0])
+    slope = 1000.0 * (np.array([0.0, -G]) - a)
+    store.S[RHO, fluid] = 1000.0
+    exact = 5000.0 + slope @ store.S[[X, Y]]
+    store.S[P, fluid] = exact[fluid]
+    store.S[AX, ghost], store.S[AY, ghost] = a
+    model._accelerate()
+    near = ghost & (store.S[P] != 0.0)
+    assert near.sum() > 50
+    assert store.S[P, near] == pytest.approx(exact[near], rel=1e-12)
+
+
+def test_walls_stop_where_the_structure_begins():
+    wall = {"name": "floor", "polyline": [(-0.3, 0.0), (0.3, 0.0)]}
+    body = {"name": "plate", "rectangle": (-0.01, -0.04, 0.01, 0.1)}
+    solid = {"model": "total-lagrangian", "dx": 0.01, "density": 1000.0, "youngs_modulus": 1e6, "bodies": [body]}
+    water = [{"name": "water", "rectangle": (0.02, 0.0, 0.2, 0.1)}]
+    model = begun(scene(water, [wall], solid=solid))
+    position, kind = model.ghosts.position, model.ghosts.kind
+    inside = (np.abs(position[:, 0]) < 0.0099) & (position[:, 1] > -0.04)
+    assert inside.any()
+    assert np.all(kind[inside] == STRUCTURE)
+
+
+def test_corners_of_unlike_spacing_have_no_holes():
+    """0.584 m is no multiple of 6 mm: fluid once left the tank along the corner's bisector."""
+    wall = {"name": "tank", "polyline": [(0.0, 0.3), (0.0, 0.0), (0.584, 0.0), (0.584, 0.3)]}
+    water = [{"name": "water", "rectangle": (0.0, 0.0, 0.146, 0.2)}]
+    model = make_model(scene(water, [wall], dx=6e-3), False, 1)
+    inside = np.linspace(0.0, model.c.support - 0.5 * model.c.dx, 40)
+    for x in (0.584 + inside, -inside):
+        gap = np.hypot(*(model.ghosts.position[:, None] - np.c_[x, -inside][None]).T).min(axis=1)
+        assert gap.max() < 0.75 * model.c.dx
+
+
+def test_structure_ghosts_follow_the_window_without_a_jump():
+    """Cubic Hermite: a motion that is cubic in time is met exactly, in place and velocity."""
+    t0, t1 = 0.3, 0.5
+    x = lambda t: np.array([[1.0 + t - 2 * t**2 + 3 * t**3, t**3]])  # noqa: E731
+    v = lambda t: np.array([[1.0 - 4 * t + 9 * t**2, 3 * t**2]])  # noqa: E731
+    pose = np.zeros((1, 8))
+    for s in (0.0, 0.25, 1.0):
+        structure_pose(s, t1 - t0, x(t0), v(t0), x(t1), v(t1), np.zeros((1, 2)), pose)
+        t = t0 + s * (t1 - t0)
+        assert pose[:, :2] == pytest.approx(x(t), rel=1e-12)
+        assert pose[:, 2:4] == pytest.approx(v(t), rel=1e-12)
+
+
+def test_wall_motion_velocity_and_acceleration_are_derivatives():
+    table = Motion(times=[0.0, 1.0, 2.0], translation=[(0.0, 0.0), (0.5, 0.1), (0.6, 0.4)], rotation=[0.0, 30.0, 90.0])
+    wall = WallMotion(table, np.array([[0.3, -0.2], [1.0, 2.0]]), np.array([[1.0, 0.0], [0.0, -1.0]]))
+    t, e = 0.7, 1e-5
+    pose = wall.pose(t)
+    slope = (wall.pose(t + e) - wall.pose(t - e)) / (2 * e)
+    assert pose[:, 2:4] == pytest.approx(slope[:, :2], abs=1e-8)
+    assert pose[:, 4:6] == pytest.approx(slope[:, 2:4], abs=1e-6)
+    assert np.all(wall.pose(3.0)[:, 2:6] == 0.0)  # held after its last time
+    assert wall.pose(3.0)[:, 6:] == pytest.approx(np.array([[0.0, 1.0], [1.0, 0.0]]), abs=1e-12)  # turned by 90 degrees
+    assert wall.pose(3.0)[:, :2] == pytest.approx(wall.pose(2.0)[:, :2])
+
+
+def test_moving_walls_take_their_water_along():
+    """Water that fills a box goes where the box goes."""
+    motion = {"times": [0.0, 0.05, 0.4, 1.0], "translation": [(0.0, 0.0), (0.0, 0.0), (0.05, 0.0), (0.2, 0.0)]}
+    corners = [(0.0, 0.0), (0.1, 0.0), (0.1, 0.1), (0.0, 0.1)]
+    box = {"name": "box", "polyline": corners, "closed": True, "motion": motion}
+    water = [{"name": "water", "rectangle": (0.0, 0.0, 0.1, 0.1)}]
+    model = begun(scene(water, [box], gravity=(0.0, 0.0), sound_speed=5.0, alpha=0.5))
+    run(model, 0.3, 10)
+    x, _, u, *_ = WallMotion(Motion(**motion), np.zeros((1, 2)), np.zeros((1, 2))).pose(0.3)[0]
+    assert u > 0.1
+    assert fluid_rows(model, U)[0].mean() == pytest.approx(u, rel=0.05)
+    assert fluid_rows(model, X)[0].mean() == pytest.approx(0.05 + x, abs=0.001)
+
+
+@pytest.mark.parametrize("model_name", ["wcsph", "ctvf"])
+def test_a_lone_drop_of_spray_does_not_creep_into_a_wall(model_name):
+    wall = {"name": "wall", "polyline": [(0.0, 0.6), (0.0, 0.0), (0.3, 0.0)]}
+    drop = [{"name": "drop", "rectangle": (0.005, 0.3, 0.015, 0.31), "velocity": (-0.5, 0.0)}]
+    model = begun(scene(drop, [wall], sound_speed=20.0, model=model_name))
+    assert model.fluid_count == 1
+    for k in range(20):
+        run(model, 0.01, 1, 0.01 * k)
+        assert fluid_rows(model, X)[0][0] > -0.002

@@ -1,0 +1,38 @@
+"""The fluid time step: least of its limits, one rule for solver and pre-flight, warned of when a scene asks more."""
+
+import logging
+
+import pytest
+
+from coupler.preflight_water import measure_water
+from fluid_solver.models import make_model
+from shared.fluid_step import COURANT, FORCE_STEP, LARGEST_COURANT, VISCOUS_STEP, fluid_step
+from shared.motion_table import largest_speed
+from shared.schema import Motion
+from tests.test_fluid_model import dam
+
+
+def test_the_step_is_the_least_of_its_limits():
+    assert fluid_step(1.3, 0.01, 20.0, 0.0, 0.0) == pytest.approx(1.3 * 0.01 / 20.0)
+    assert fluid_step(1.3, 0.01, 20.0, 1.0, 0.0) == pytest.approx(VISCOUS_STEP * 1e-4)
+    assert fluid_step(1.3, 0.01, 20.0, 0.0, 1e6) == pytest.approx(FORCE_STEP * 1e-4)
+
+
+@pytest.mark.parametrize("model", ["ctvf", "wcsph"])
+def test_solver_and_preflight_take_the_same_step(model):
+    case = dam(model)
+    assert make_model(case, False, 1).stable_step() == pytest.approx(measure_water(case).step, rel=1e-9)
+
+
+def test_a_step_beyond_what_was_measured_is_warned_of(caplog):
+    case = dam("ctvf")
+    for courant, warned in ((COURANT["ctvf"], False), (1.05 * LARGEST_COURANT["ctvf"], True)):
+        caplog.clear()
+        with caplog.at_level(logging.WARNING, logger="shearwater"):
+            make_model(case.model_copy(update={"fluid": case.fluid.model_copy(update={"courant": courant})}), False, 1)
+        assert ("stable" in caplog.text) == warned
+
+
+def test_a_turning_wall_is_as_fast_as_its_farthest_corner():
+    turn = Motion(times=[0.0, 1.0], rotation=[0.0, 90.0], about=(0.0, 0.0))
+    assert largest_speed(turn, [(0.5, 0.0), (2.0, 0.0)]) == pytest.approx(2.0 * 1.5708, rel=1e-3)
