@@ -51,6 +51,11 @@ _SWINGS = 6  # windows in a row in which the lagged load overshoots, each by mor
 _SWINGING = 0.02  # change of the load over the load that counts as an overshoot
 _OPPOSED = -0.5  # cosine between the changes of two windows below which one undoes the other
 
+_ASTRAY = 0.5  # change of the load over the load at which the load used says nothing of the load found
+_PATIENCE = 32
+"""Windows in a row whose loads go astray before lagged exchange is left: points of the interface ripple against each
+other. Measured: 5 to 8 where water strikes a plate, 40 and more where it ripples and goes on to blow up."""
+
 
 def make_taker(plan: Plan, coupling: Coupling) -> Taker:
     """What takes windows under `plan`."""
@@ -110,6 +115,7 @@ class Auto:
         self._twice = Iteration(self._plain, Measure(0.0, 0.0, coupling.loads), 2, True)
         self._last: np.ndarray | None = None
         self._swings = 0
+        self._astray = 0
 
     def __call__(self, c: Coupled, window: Window) -> Outcome:
         """Take one window."""
@@ -133,17 +139,25 @@ class Auto:
     def state(self) -> State:
         """Where it stands between the schemes, and what it watches."""
         state = {"explicit": np.array(self._explicit), "swings": np.array(self._swings)}
+        state["astray"] = np.array(self._astray)
         last = {} if self._last is None else {"last": self._last}
         return state | last | under("acceleration", self._acceleration.state())
 
     def restore(self, state: State) -> None:
         """Go back to a `state`."""
         self._explicit, self._swings = bool(state["explicit"]), int(state["swings"])
+        self._astray = int(state["astray"])
         self._last = state.get("last")
         self._acceleration.restore(inside("acceleration", state))
 
     def _watch(self, window: Window, outcome: Outcome) -> None:
-        """Lagged loads that overshoot to and fro, ever further, are about to blow up."""
+        """Lagged loads that overshoot to and fro, ever further, are about to blow up; so are those that stay astray."""
+        self._astray = self._astray + 1 if outcome.changes[0] > _ASTRAY else 0
+        if self._astray == _PATIENCE:
+            self._step_up(
+                window, f"{_PATIENCE} windows in a row the lagged load was off by more than {_ASTRAY:g} of it"
+            )
+            return
         change = (outcome.mapped.force - outcome.used.force).ravel()
         before, self._last = self._last, change
         if before is None or outcome.changes[0] < _SWINGING:

@@ -8,9 +8,11 @@ import pytest
 from coupler.choice import Auto, is_measured
 from coupler.ledger import Ledger, LedgerExceeded
 from coupler.run import run_coupled
+from coupler.schemes import Outcome
 from coupler.window import Plan
 from fluid_solver.models import make_model as make_fluid
 from shared.clock import Clock
+from shared.contract import Kinematics, Loads
 from shared.schema_coupling import Coupling, Limits
 from solid_solver.models import make_model as make_solid
 from tests.coupled_models import couple, join, march, piston
@@ -54,6 +56,23 @@ def test_overshooting_loads_end_lagged_exchange(monkeypatch):
     history = march(c, Auto(plan, Coupling()), clock, 40)
     assert "overshot" in plan.reasons[0]
     assert np.abs(history.points).max() < 1e-3
+
+
+@pytest.mark.parametrize(("windows", "leaves"), [(31, False), (32, True)])
+def test_loads_that_stay_astray_end_lagged_exchange(windows, leaves):
+    """The interface's points ripple, each by itself: their sum, and the response to one more iteration, stay small."""
+    plan, rng = Plan("serial-explicit", "aitken", 1e-3), np.random.default_rng(0)
+    auto, clock, points = Auto(plan, Coupling()), Clock(1.0, 100), Kinematics.at_rest(np.zeros((50, 2)))
+    for k in range(windows):
+        used, found = (Loads(np.zeros(50), rng.normal(size=(50, 2))) for _ in range(2))
+        change = float(np.linalg.norm(found.force - used.force) / np.linalg.norm(found.force))
+        auto._watch(clock.window(k), Outcome(used, found, found, (points, points), (points, points), (change,)))
+    assert bool(plan.reasons) == leaves
+    again = Auto(Plan("serial-explicit", "aitken", 1e-3), Coupling())
+    again.restore(auto.state())
+    assert {name: array.tobytes() for name, array in again.state().items()} == {
+        name: array.tobytes() for name, array in auto.state().items()
+    }
 
 
 def test_choice_repeats_to_the_byte():
