@@ -31,6 +31,7 @@ ALPHA_WARN = 0.08  # see coupler/window.py: 0.07 decays and 0.14 grows on a refl
 ALPHA_REFUSE = (2.0, 1.155, 0.709)  # limits of the serial protocol on an absorbing column, by predictor order
 ACROSS_WARN, ACROSS_REFUSE = 4.0, 3.0
 SUPPORT_WARN, SUPPORT_REFUSE = 1.0, 0.5  # thickness over support: water sees water through the plate below 1
+GHOST_INERTIA_WARN = 0.5  # ρ_f dx/(ρ_s t); water_tube bears 0.13, light_gate with 3.3 must leave the term out
 STEP_RATIO_WARN = 5000.0  # sub-steps of the solid per fluid step; hydrostatic_plate has 170
 SOLID_COURANT_LIMIT = {"total-lagrangian": 0.73, "ctvf": 1.0}
 SOLID_COURANT_SAFE = {"total-lagrangian": 0.63, "ctvf": 0.7}
@@ -210,6 +211,18 @@ def support(scene: Scene, n: Numbers) -> Finding | None:
     )
 
 
+def ghost_acceleration(scene: Scene, n: Numbers) -> Finding | None:
+    """ρ_f dx/(ρ_s t): mass of the water between particles and face over the structure's own."""
+    if n.joint is None or not _of_particles(n) or n.plate.model == "rigid" or not scene.fluid.structure_acceleration:
+        return None
+    value = n.water.density * n.water.dx / (n.plate.density * n.plate.thickness)
+    verdict = _above(value, GHOST_INERTIA_WARN)
+    if verdict == "ok":
+        return Finding("ghost acceleration", value, verdict, "the plate outweighs the water of one layer")
+    reason = "pressures extrapolated with the acceleration of so light a plate drive it"
+    return Finding("ghost acceleration", value, verdict, reason, "fluid.structure_acceleration = false")
+
+
 def step_ratio(scene: Scene, n: Numbers) -> Finding | None:
     """Fluid step over solid step: the solid's sub-steps."""
     if n.joint is None or not _of_particles(n) or n.plate.model not in PARTICLE_MODELS:
@@ -309,6 +322,7 @@ RULES: tuple[Rule, ...] = (
     window_number,
     across,
     support,
+    ghost_acceleration,
     step_ratio,
     courant_fluid,
     courant_solid,

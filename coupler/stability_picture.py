@@ -27,7 +27,7 @@ _NAMES = {
 def draw_map(stability, found, path: Path) -> Path:
     """Draw `found` (Boundary of every method and x) of a StabilityMap."""
     count = len(stability.methods)
-    columns = min(count, _MOST_COLUMNS)
+    columns = 2 if count == 4 else min(count, _MOST_COLUMNS)
     rows = math.ceil(count / columns)
     step = _PANEL_IN + _GAP_IN
     height = _BOTTOM_IN + rows * step + _TOP_IN - _GAP_IN + (rows - 1) * 0.1

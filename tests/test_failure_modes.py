@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import re
 from dataclasses import dataclass
+from pathlib import Path
 
 import pytest
 
@@ -17,7 +18,7 @@ from coupler.preflight_rules import findings
 from coupler.run import run_coupled
 from fluid_solver.models import make_model as make_fluid
 from shared.contract import BadInput, ShearwaterError
-from shared.scene import load_scene
+from shared.scene import load_scene, shipped_cases
 from shared.solo import run_alone
 from solid_solver.models import make_model as make_solid
 
@@ -113,6 +114,22 @@ MODES = (
     ),
     Mode("see-through plate", "dam_break_plate", ("fluid.dx=1e-2",), ("fluid.dx=2e-3",), flagged="thickness/support"),
     Mode(
+        "see-through plate between two waters",
+        "two_levels",
+        spoil=("fluid.dx=1.5e-2",),
+        cure=("fluid.dx=5e-3",),
+        flagged="thickness/support",
+        said=r"stands in water on both faces.*Make fluid\.dx at most",
+        shorten=("end_time=0.005", "output.average_from=0.0", "references=[]"),
+    ),
+    Mode(
+        "acceleration of a light plate in its ghosts",
+        "light_gate",
+        spoil=("fluid.structure_acceleration=true",),
+        cure=("solid.density=2000",),
+        flagged="ghost acceleration",
+    ),
+    Mode(
         "start-up shock",
         "still_tank",
         spoil=("fluid.initial_pressure=zero",),
@@ -178,6 +195,28 @@ def test_the_run_ends_with_its_diagnosis(mode, tmp_path):
 @pytest.mark.parametrize("mode", ENDING)
 def test_the_cure_one_set_away_passes(mode, tmp_path):
     assert run(mode, (*mode.spoil, *mode.cure), tmp_path / "run").result["status"] == "finished"
+
+
+def test_water_that_gets_out_is_counted(tmp_path):
+    """A tank without its right wall in a domain that ends there loses water; the closed tank keeps it."""
+    text = ("fluid.dx=2.5e-2", "end_time=0.4", "references=[]", "output.average_from=0.0", "goal.error=0.1")
+    box = ("domain={ lower = [-0.1, -0.1], upper = [0.6, 2.0] }",)
+    hole = ("walls.tank.polyline=[[0.0, 0.75], [0.0, 0.0], [0.5, 0.0]]",)
+    mode = Mode("open tank", "still_tank", spoil=hole, cure=(), shorten=(*text, *box))
+    leaked = [run(mode, sets, tmp_path / str(len(sets))).result["probes"]["leaked"]["max"] for sets in (hole, ())]
+    assert leaked[0] > 10
+    assert leaked[1] == 0.0
+
+
+def test_the_table_of_failures_names_tests_and_cases_that_exist():
+    tests = Path(__file__).parent
+    rows = [line for line in (tests.parent / "cases" / "FAILURES.md").read_text().splitlines() if line.startswith("| ")]
+    assert len(rows) > 20
+    for row in rows[1:]:
+        file, _, name = re.search(r"`(test_\w+\.py(?:::\w+)?)`", row).group(1).partition("::")
+        assert f"def {name}" in (tests / file).read_text()
+        for case in re.findall(r"`(\w+) --set", row):
+            assert case in shipped_cases()
 
 
 def test_one_particle_across_is_refused():
