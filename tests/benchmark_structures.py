@@ -167,12 +167,14 @@ def _write(table: dict[str, dict[str, str]]) -> None:
         writer.writeheader()
         writer.writerows(ordered)
     missed = [row["demand"] for row in ordered if row["verdict"] == "missed"]
+    lacking = [row.demand for row in (*rows(), *measures()) if row.demand not in table]
     head = (
         f"# Structures against what is true\n\nMade by `python -m tests.benchmark_structures`, last on {date.today()}. "
         "Each row: `solid-solver run CASE SETTINGS`, or the command shown. Errors are relative; absolute where the "
         "truth is 0. Static: damping ratio, periods of the first mode averaged over, change of the mean between their "
         "halves. Rate: million particle-steps per second of stepping, beside whatever else the machine did.\n\n"
-        f"Missed: {', '.join(missed) or 'nothing'}.\n\n"
+        f"Missed: {'; '.join(missed) or 'nothing'}.\n\n"
+        f"Not measured yet (`--missing` does): {'; '.join(lacking) or 'nothing'}.\n\n"
     )
     lines = ["| " + " | ".join(COLUMNS) + " |", "|" + "---|" * len(COLUMNS)]
     lines += ["| " + " | ".join(row[c].replace("|", "\\|") for c in COLUMNS) + " |" for row in ordered]
