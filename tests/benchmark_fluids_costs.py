@@ -82,10 +82,7 @@ def start_up(cold: bool) -> float:
 def measures() -> list[Measure]:
     """All figures of cost."""
     run = "fluid-solver run dam_break --set end_time=1e-4"
-    found = [
-        Measure("start-up to the end of the first step, warm cache", run, partial(start_up, False), "s", most=3.0),
-        Measure("start-up to the end of the first step, cold cache", run, partial(start_up, True), "s", most=20.0),
-    ]
+    found = []
     for model, rate, interval in (("wcsph", 16.0, 0.12), ("ctvf", 10.0, 0.25)):
         at = f"fluid-solver bench --model {model} --particles {PARTICLES} --threads"
         name = f"180 k particles, {model}"
@@ -107,4 +104,8 @@ def measures() -> list[Measure]:
                 most=1.15,
             ),
         ]
+    found += [
+        Measure("start-up to the end of the first step, warm cache", run, partial(start_up, False), "s", most=3.0),
+        Measure("start-up to the end of the first step, cold cache", run, partial(start_up, True), "s", most=20.0),
+    ]
     return found

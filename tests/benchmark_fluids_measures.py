@@ -126,12 +126,12 @@ def impulse(until: float):
     return measure
 
 
-def sensor_peak(span: float):
-    """Largest mean over `span` [s] of what the sensor at the wall reads [Pa]."""
+def peak(probe: str, span: float):
+    """Largest mean over `span` [s] of a probe."""
 
     def measure(found: Found) -> float:
         count = max(1, round(span / (found.time[2] - found.time[1])))
-        return float(np.convolve(found.probes["wall_pressure"], np.full(count, 1.0 / count), "valid").max())
+        return float(np.convolve(found.probes[probe], np.full(count, 1.0 / count), "valid").max())
 
     return measure
 
@@ -172,5 +172,5 @@ def _neighbours(found: Found):
 
 
 def cost(found: Found) -> float:
-    """Core seconds per simulated second."""
-    return found.result["cost"]["core_s"] / found.scene.end_time
+    """Core seconds of stepping per simulated second."""
+    return found.result["cost"]["fluid"]["stepping_core_s"] / found.scene.end_time
