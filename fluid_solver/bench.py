@@ -62,26 +62,26 @@ def developed(particles: int, model: str, threads: int):
 def run_benchmark(particles: int, model: str, threads: int) -> dict[str, float]:
     """Times whole steps; all particles (fluid, walls) counted, compiling left out.
 
-    Returns `particles`, `fluid_particles`, `steps`, `wall_s`, `particle_steps_per_s`; `bytes_per_particle` of the
-    arrays that the step works on; `interval_s`, core seconds to advance a particle by dx/c0, the time sound needs to
-    the next.
+    Returns `particles`, `fluid_particles`, `steps`, `wall_s`, `core_s` of all threads, `particle_steps_per_s` (by the
+    wall's clock); `bytes_per_particle` of the arrays that the step works on; `interval_s`, core seconds to advance a
+    particle by dx/c0, the time sound needs to the next.
     """
     fluid, dt = developed(particles, model, threads)
     count = fluid.particles()
     steps = max(FEWEST, WORK // count)
-    begun = time.perf_counter()
+    begun, core = time.perf_counter(), time.process_time()
     fluid.advance(0.0, steps * dt, steps, None)
-    wall = time.perf_counter() - begun
+    wall, core = time.perf_counter() - begun, time.process_time() - core
     fluid.check()
-    per_step = wall / (steps * count)
     return {
         "particles": float(count),
         "fluid_particles": float(fluid.fluid_count),
         "steps": float(steps),
         "wall_s": wall,
-        "particle_steps_per_s": 1.0 / per_step,
+        "core_s": core,
+        "particle_steps_per_s": steps * count / wall,
         "bytes_per_particle": fluid.store.nbytes() / count,
-        "interval_s": per_step * threads * fluid.c.dx / (fluid.c.c0 * dt),
+        "interval_s": core / (steps * count) * fluid.c.dx / (fluid.c.c0 * dt),
     }
 
 

@@ -60,7 +60,7 @@ def draw(found_of: Callable[[Job], Found], only_some: bool) -> None:
         axes = axes_at(figure, 1.35 + 2.2 * k, 0.4, 1.95, 2.1)
         for model, marker in zip(MODELS, "os", strict=True):
             values = [measure(case)(found_of(_jobs(case)[MODELS.index(model)])) for case in CASES]
-            axes.plot(values, range(len(CASES)), marker, label=model, markersize=5, fillstyle="none" if k else "full")
+            axes.plot(values, range(len(CASES)), marker, label=model, markersize=5, fillstyle="none")
         axes.set_xscale("log")
         axes.set_title(title, fontsize=FONT_PT)
         axes.set_yticks(range(len(CASES)), list(CASES) if k == 0 else [""] * len(CASES))

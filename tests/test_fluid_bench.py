@@ -12,7 +12,8 @@ def test_benchmark_counts_walls_and_scales_its_figures():
     found = run_benchmark(1000, "wcsph", 1)
     assert found["particles"] > found["fluid_particles"] > 900
     assert found["particle_steps_per_s"] == pytest.approx(found["steps"] * found["particles"] / found["wall_s"])
-    steps_per_interval = found["interval_s"] * found["particle_steps_per_s"]  # dx/c0 over the step, one thread
+    core_per_step = found["core_s"] / (found["steps"] * found["particles"])
+    steps_per_interval = found["interval_s"] / core_per_step  # dx/c0 over the step
     assert 0.3 < steps_per_interval < 2.0
     assert found["bytes_per_particle"] > 18 * 8 * 2  # two copies of the state at least
 
