@@ -20,18 +20,10 @@ from solid_solver.energies import WorkBook, trapezoid
 from solid_solver.interface import damped_kick, describe, kinematics_over_window, lame, wave_speed
 from solid_solver.loads import scheduled_loads
 from solid_solver.probes import Observed, kinetic_energy, solid_probes, wants_work
-from solid_solver.shifting import shift
 from solid_solver.updated_fields import AX, RHO, M, U, V, X, Y
 from solid_solver.updated_observe import failure, strain_energy, stresses, tracers
 from solid_solver.updated_start import start
-from solid_solver.updated_steps import (
-    CROWDED,
-    NEAREST2,
-    OUTGROWN,
-    linear_steps,
-    needs,
-    quadratic_steps,
-)
+from solid_solver.updated_stepper import Stepper
 
 COURANT = (0.7, 0.7, 0.45)
 """Default step over dx/c_p by the gradient's order."""
@@ -52,7 +44,6 @@ class UpdatedLagrangian:
         self._bodies, self._S, self._slot = self._s.bodies, self._s.S, self._s.storage.free
         self._reference = np.concatenate([b.position for b in self._bodies])
         self._mass = self._S[M, self._slot]
-        self._gauge = np.stack([self._s.spacing**-2.0, np.full(len(self._s.spacing), math.inf)])
         self._loads = scheduled_loads(scene, self._bodies)
         self._ramped = np.array([self._padded(r) for r in self._loads.ramped]).reshape(-1, 2, self._s.storage.slots)
         self._probes = solid_probes(scene, self._bodies)
@@ -64,7 +55,8 @@ class UpdatedLagrangian:
         if self._carried is not None:
             self._to(*self._carried.at(0.0)[:2])
         numba.set_num_threads(self._threads)
-        self._list_pairs(self._S[X : Y + 1])
+        viscosity = solid.alpha * self._s.h * math.sqrt(self._moduli()[1])
+        self._stepper = Stepper(self._s, solid.shifting, viscosity, self._moduli())
         self._at_once(0.0)
         self._energy_at_start = np.array([self._kinetic(k) + self._strain_energy(k) for k in range(len(self._bodies))])
 
@@ -81,7 +73,7 @@ class UpdatedLagrangian:
     def stable_step(self) -> float:
         solid = self._scene.solid
         courant = COURANT[self._s.order] if solid.courant == "auto" else solid.courant
-        closest = min(1.0, math.sqrt(self._gauge[NEAREST2, self._slot].min()))
+        closest = min(1.0, self._stepper.closest())
         return courant * closest * float(self._s.spacing[self._slot].min()) / wave_speed(solid)
 
     def advance(self, t0: float, t1: float, substeps: int, boundary: Exchange | None) -> Kinematics:
@@ -98,22 +90,27 @@ class UpdatedLagrangian:
                 acceleration = self._advance_under(times, dt, force)
         self._steps += substeps
         self._time = t1
-        self._look()
+        self._stepper.look()
         return kinematics_over_window(before, self._tracers(), acceleration, t1 - t0)
 
     def state(self) -> dict[str, np.ndarray]:
         used = self._s.storage.used
         time = np.array([self._time])
-        return {"rows": self._S[:, used], "listed_at": self._listed[:, used], "work": self._books.done, "time": time}
+        return {
+            "rows": self._S[:, used],
+            "listed_at": self._stepper.listed_at[:, used],
+            "work": self._books.done,
+            "time": time,
+        }
 
     def restore(self, state: Mapping[str, np.ndarray]) -> None:
         for name, array in self.state().items():
             array[...] = state[name]
         self._time = float(state["time"][0])
-        self._list_pairs(self._listed)
+        self._stepper.list_pairs(self._stepper.listed_at)
 
     def check(self) -> None:
-        found = failure(self._S, self._slot, self._gauge, self._scene.solid.density)
+        found = failure(self._S, self._slot, self._stepper.gauge, self._scene.solid.density)
         if found is None:
             return
         what, particle = found
@@ -182,29 +179,12 @@ class UpdatedLagrangian:
             middle = before - self._reference + 0.5 * dt * velocity
             steady = steady + self._loads.by_following(0.5 * (times[0] + times[-1]), middle)
         loads, kick = (self._padded(steady), self._ramped, shares), damped_kick(self._scene.solid.damping, 0.5 * dt)
-        self._take_steps(self._s.held.places(times), loads, dt, kick)
+        self._stepper.take(self._s.held.places(times), loads, dt, kick)
         if self._books.wanted:
             mean = steady + np.tensordot(trapezoid(shares), self._loads.ramped, axes=1)
             self._books.add(mean, self._tracers()[0] - before)
         damping = self._scene.solid.damping * self._rows(U)
         return self._rows(AX) + steady + np.tensordot(shares[-1], self._loads.ramped, axes=1) - damping
-
-    def _take_steps(self, places: np.ndarray, loads: tuple, dt: float, kick: tuple[float, float]) -> None:
-        """Advance by all sub-steps, listing pairs and shifting in between as needed (see updated_steps.py)."""
-        solid, s = self._scene.solid, self._s
-        viscosity = solid.alpha * s.h * math.sqrt(self._moduli()[1])
-        held = s.storage.held, places
-        heeded = OUTGROWN | CROWDED if solid.shifting else OUTGROWN
-        take = quadratic_steps if s.order == 2 else linear_steps
-        done = 0
-        while done < len(places) - 1:
-            found = needs(self._blocks, self._S, *self._watch)
-            if found & OUTGROWN:
-                self._list_pairs(self._S[X : Y + 1])
-            if found & heeded & CROWDED:
-                shift(self._S, self._blocks, s.spacing, s.curvature, *self._kernel)
-            numbers = dt, viscosity, self._moduli(), 1.0 if s.order else 0.0, done
-            done = take(self._S, self._blocks, (*self._watch, heeded), self._kernel, held, loads, kick, numbers)
 
     def _carry(self, time: float, dt: float) -> np.ndarray:
         """Carry the particles to where the motion has them at `time` [s] and turn their stress, over one step."""
@@ -217,28 +197,7 @@ class UpdatedLagrangian:
     def _at_once(self, dt: float) -> None:
         """One step of `dt` [s], 0 for forces alone, with the velocities as they are: no kicks."""
         no_load = np.zeros((2, self._s.storage.slots)), self._ramped, np.zeros((2, len(self._ramped)))
-        self._take_steps(np.zeros((2, 2, 0)), no_load, dt, (1.0, 0.0))
-
-    @property
-    def _kernel(self) -> tuple[int, float]:
-        return self._s.kernel.code, self._s.h
-
-    @property
-    def _watch(self) -> tuple:
-        return self._gauge, self._closest, self._s.kernel.support * self._s.h
-
-    def _list_pairs(self, at: np.ndarray) -> None:
-        """Make the lists of neighbours for places `at` (2, slots)."""
-        s = self._s
-        spacing = min(float(b.spacing.min()) for b in self._bodies)
-        self._blocks = s.storage.blocks(at, s.kernel.support * s.h, spacing)
-        self._listed = at.copy()
-        self._closest = np.zeros(len(self._blocks.start))
-        self._look()
-
-    def _look(self) -> None:
-        """Note how close the particles are."""
-        needs(self._blocks, self._S, *self._watch)
+        self._stepper.take(np.zeros((2, 2, 0)), no_load, dt, (1.0, 0.0))
 
     def _moduli(self) -> tuple[float, float, float, float]:
         """G [Pa], c² = K/ρ0 [m²/s²], ρ0 [kg/m³], and E' [Pa] (0 but for the linear gradient: no curvature stress)."""

@@ -10,7 +10,7 @@ from shared.scene import load_scene
 from shared.schema import Scene
 from solid_solver.models import make_model
 from solid_solver.updated_fields import E0, E1, U, V, X, Y
-from tests.solid_scenes import solid_scene
+from tests.updated_models import jittered
 
 _ANGLE = math.radians(30.0)
 _TURN = np.array([[math.cos(_ANGLE), -math.sin(_ANGLE)], [math.sin(_ANGLE), math.cos(_ANGLE)]])
@@ -67,16 +67,6 @@ def changed_answer(model: str, view: str) -> float:
     turn, units = VIEWS[view]
     plain = tip_of_cantilever(model, np.eye(2))
     return float(np.linalg.norm(tip_of_cantilever(model, turn, **units) - plain) / np.linalg.norm(plain))
-
-
-def jittered(jitter=0.15, **solid):
-    """A ctvf model of a square block whose particles are off the lattice by up to `jitter` spacings."""
-    keys = {"model": "ctvf", "gradient": "linear", "youngs_modulus": 1.0, "alpha": 0.0, "shifting": False}
-    scene = solid_scene(**(keys | solid))
-    model, dx = make_model(scene, False, 1), scene.solid.dx
-    model._S[X : Y + 1, model._slot] += jitter * dx * np.random.default_rng(5).uniform(-1.0, 1.0, (2, len(model._slot)))
-    model._list_pairs(model._S[X : Y + 1])
-    return model
 
 
 def tracer_error(steps=100, shifting=True) -> float:

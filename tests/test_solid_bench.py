@@ -5,6 +5,7 @@ from typer.testing import CliRunner
 
 from solid_solver.bench import run_benchmark
 from solid_solver.cli import app
+from tests.benchmark_structures_measures import answer_time
 
 
 @pytest.mark.parametrize("model", ["total-lagrangian", "beam"])
@@ -18,3 +19,7 @@ def test_the_command_prints_one_line():
     result = CliRunner().invoke(app, ["bench", "--particles", "400", "--steps", "20", "--threads", "1"])
     assert result.exit_code == 0
     assert "million particle-steps per second" in result.output
+
+
+def test_the_beams_static_answer_takes_less_than_a_tenth_of_a_second():
+    assert min(answer_time() for _ in range(3)) < 0.1

@@ -76,7 +76,7 @@ def test_an_end_turned_slowly_bends_the_beam_between_as_pure_bending_does(model,
 
 
 def shaken(x):
-    """Tip over base and clamp force over E I β³ of a thin cantilever on a swinging base; x = βL, E I β⁴ = ρH(ω²−iηω)."""
+    """Tip over base and clamp force over E I β³ of a thin cantilever on a swinging base; x = βL, EIβ⁴ = ρH(ω²−iηω)."""
     below = 1.0 + np.cos(x) * np.cosh(x)
     return (np.cos(x) + np.cosh(x)) / below, -(np.sin(x) * np.cosh(x) + np.cos(x) * np.sinh(x)) / below
 

@@ -7,7 +7,7 @@ from solid_solver import updated_lagrangian
 from solid_solver.models import make_model
 from solid_solver.updated_fields import G00, G11, OWN, U, X, Y
 from tests.solid_scenes import beam_scene, run, solid_scene
-from tests.test_solid_updated import DT, DX, get, jittered, power_of_stresses, put
+from tests.updated_models import DT, DX, get, jittered, power_of_stresses, put
 
 
 def test_derivatives_of_a_quadratic_field_are_exact_on_a_jittered_lattice_also_at_its_corners():
