@@ -12,9 +12,10 @@ from typing import Any
 
 from coupler.preflight_cost import Cost, calibrate, predicted_cost
 from coupler.preflight_error import error_bound
+from coupler.preflight_finding import Finding
 from coupler.preflight_ladder import Rung, ladder, smallest
 from coupler.preflight_numbers import Numbers, scene_numbers
-from coupler.preflight_rules import Finding, findings
+from coupler.preflight_rules import findings
 from coupler.preflight_window import expected_window
 from shared.contract import BadInput
 from shared.schema import Scene

@@ -21,8 +21,9 @@ from __future__ import annotations
 
 import math
 
+from coupler.preflight_finding import PARTICLE_FLUIDS, STEADY
 from coupler.preflight_numbers import Numbers
-from coupler.preflight_rules import HELMHOLTZ_REFUSE, PARTICLE_FLUIDS, STEADY
+from coupler.preflight_rules_joint import HELMHOLTZ_REFUSE
 from shared.schema import RIGID_MODELS, Scene
 
 Parts = dict[str, float]

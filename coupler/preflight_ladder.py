@@ -12,16 +12,11 @@ from typing import Literal, get_args
 
 from coupler.preflight_cost import Cost, predicted_cost
 from coupler.preflight_error import Parts, error_parts
+from coupler.preflight_finding import PARTICLE_FLUIDS, STEADY
 from coupler.preflight_numbers import Numbers, scene_numbers
-from coupler.preflight_rules import (
-    ACROSS_WARN,
-    ALPHA_WARN,
-    PARTICLE_FLUIDS,
-    STEADY,
-    SUPPORT_WARN,
-    WATER_ACROSS_WARN,
-    helmholtz,
-)
+from coupler.preflight_rules_joint import ALPHA_WARN, SUPPORT_WARN, helmholtz
+from coupler.preflight_rules_plate import ACROSS_WARN
+from coupler.preflight_rules_water import WATER_ACROSS_WARN
 from shared.scene_checks import check_scene
 from shared.schema import PARTICLE_MODELS, RIGID_MODELS, Fluid, Scene, Solid
 from shared.sides import probe_rows

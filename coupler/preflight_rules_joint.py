@@ -1,0 +1,113 @@
+"""Pre-flight's rules of what water and structure are to each other. See preflight_rules.py."""
+
+from __future__ import annotations
+
+import math
+
+from coupler.preflight_finding import STEADY, Finding, above, below, of_particles
+from coupler.preflight_numbers import Numbers
+from coupler.preflight_window import expected_plan, expected_window
+from shared.schema import PARTICLE_MODELS, Scene
+
+HELMHOLTZ_WARN, HELMHOLTZ_REFUSE = 0.8, math.pi / 2.0  # half and all of a quarter wave, where a column resonates
+MASS_RATIO_WARN = 50.0  # the heaviest water that was run explicitly over its plate: hydrostatic_plate, 15
+ALPHA_WARN = 0.08  # see coupler/window.py: 0.07 decays and 0.14 grows on a reflecting column
+ALPHA_REFUSE = (2.0, 1.155, 0.709)  # limits of the serial protocol on an absorbing column, by predictor order
+SUPPORT_WARN, SUPPORT_REFUSE = 1.0, 0.5  # thickness over support: water sees water through the plate below 1
+GHOST_INERTIA_WARN = 0.5  # ρ_f dx/(ρ_s t); water_tube bears 0.13, light_gate with 3.3 must leave the term out
+STEP_RATIO_WARN = 5000.0  # sub-steps of the solid per fluid step; hydrostatic_plate has 170
+
+
+def helmholtz(scene: Scene, n: Numbers) -> Finding | None:
+    """Depth of the water in radians of sound at the plate's frequency in incompressible water, 2π f H/c0."""
+    if n.joint is None or not of_particles(n) or n.joint.wet_frequency is None or n.water.sound_speed == 0.0:
+        return None
+    j, w = n.joint, n.water
+    value = 2.0 * math.pi * j.wet_frequency * j.depth / w.sound_speed
+    wet = f"in incompressible water the plate swings at {j.wet_frequency:.3g} Hz"
+    if value <= HELMHOLTZ_WARN:
+        return Finding("Helmholtz", value, "ok", f"{wet}; sound crosses the water in time")
+    why = (
+        f"{wet}, but at c0 = {w.sound_speed:.3g} m/s sound needs {value / (2 * math.pi):.2g} periods to cross "
+        f"{j.depth:.3g} m of water: the water takes energy away instead of moving along, and the plate rings near its "
+        f"dry {n.plate.frequency:.3g} Hz"
+    )
+    if scene.goal is not None and scene.goal.statistic in STEADY:
+        return Finding("Helmholtz", value, "ok", f"{why}; the goal's mean does not feel it, peaks and periods would")
+    needed = w.sound_speed * value / HELMHOLTZ_WARN
+    way_out = (
+        f"judge a mean (goal.statistic), use fluid.model = column (incompressible), or fluid.sound_speed = "
+        f"{needed:.3g}, at {needed / w.sound_speed:.2g} times the cost"
+    )
+    # Who wants nothing is not refused it; and a splash may pass without the plate's own swing.
+    refuse = HELMHOLTZ_REFUSE if scene.goal is not None and w.rests else math.inf
+    return Finding("Helmholtz", value, above(value, HELMHOLTZ_WARN, refuse), why, way_out)
+
+
+def mass_ratio(scene: Scene, n: Numbers) -> Finding | None:
+    """r = ρ_f H/(ρ_s t): how much water a plate moves; what a lagged exchange feels."""
+    if n.joint is None or n.plate.model == "rigid":
+        return None
+    value, scheme = n.joint.mass_ratio, scene.coupling.scheme
+    if n.water.boxed and n.joint.closes:
+        limit = 1.0 / (2.0 ** (scene.coupling.predictor + 1) - 1.0)
+        reason = f"the plate closes a box of water: an explicit exchange diverges above {limit:.3g}"
+        if value > limit and scheme.endswith("explicit"):
+            return Finding("mass ratio", value, "refuse", reason, "an implicit scheme with iqn-ils, or scheme = auto")
+        return Finding("mass ratio", value, "ok", reason)
+    reason = "the water over the plate's area weighs so many plates"
+    if value > MASS_RATIO_WARN and scheme.endswith("explicit"):
+        return Finding("mass ratio", value, "warn", reason, "an implicit scheme with iqn-ils, or scheme = auto")
+    return Finding("mass ratio", value, "ok", reason)
+
+
+def window_number(scene: Scene, n: Numbers) -> Finding | None:
+    """α = ρ_f c0 Δt/(ρ_s t) of the coupling window: how far sound lets a lagged load run ahead."""
+    window = expected_window(scene, n)
+    if window is None or not of_particles(n) or n.plate.model == "rigid":
+        return None
+    value = n.water.density * n.water.sound_speed * window / (n.plate.density * n.plate.thickness)
+    reason = f"window {window:.3g} s"
+    asked = scene.coupling.scheme if scene.coupling.window != "auto" else expected_plan(scene, n).scheme
+    if asked.endswith("implicit"):
+        return Finding("window α", value, "ok", f"{reason}, iterated")
+    verdict = above(value, ALPHA_WARN * (1.0 + 1e-9), ALPHA_REFUSE[scene.coupling.predictor])
+    way_out = "" if verdict == "ok" else f"coupling.window = {window * ALPHA_WARN / value:.3g} or auto"
+    return Finding("window α", value, verdict, f"{reason}, limit {ALPHA_REFUSE[scene.coupling.predictor]:g}", way_out)
+
+
+def support(scene: Scene, n: Numbers) -> Finding | None:
+    """The plate's thickness over the fluid kernel's support."""
+    if n.plate is None or not of_particles(n):
+        return None
+    value = n.plate.thickness / n.water.support
+    verdict = below(value, SUPPORT_WARN, SUPPORT_REFUSE)
+    reason = f"support {n.water.support:.3g} m, plate {n.plate.thickness:.3g} m"
+    if verdict == "ok":
+        return Finding("thickness/support", value, verdict, reason)
+    finer = n.water.dx * value
+    return Finding(
+        "thickness/support", value, verdict, f"{reason}: water sees water through it", f"fluid.dx = {finer:.3g}"
+    )
+
+
+def ghost_acceleration(scene: Scene, n: Numbers) -> Finding | None:
+    """ρ_f dx/(ρ_s t): mass of the water between particles and face over the structure's own."""
+    if n.joint is None or not of_particles(n) or n.plate.model == "rigid" or not scene.fluid.structure_acceleration:
+        return None
+    value = n.water.density * n.water.dx / (n.plate.density * n.plate.thickness)
+    verdict = above(value, GHOST_INERTIA_WARN)
+    if verdict == "ok":
+        return Finding("ghost acceleration", value, verdict, "the plate outweighs the water of one layer")
+    reason = "pressures extrapolated with the acceleration of so light a plate drive it"
+    return Finding("ghost acceleration", value, verdict, reason, "fluid.structure_acceleration = false")
+
+
+def step_ratio(scene: Scene, n: Numbers) -> Finding | None:
+    """Fluid step over solid step: the solid's sub-steps."""
+    if n.joint is None or not of_particles(n) or n.plate.model not in PARTICLE_MODELS:
+        return None
+    value = n.water.step / n.plate.step
+    verdict = above(value, STEP_RATIO_WARN)
+    reason = f"{n.water.step:.3g} s over {n.plate.step:.3g} s"
+    return Finding("step ratio", value, verdict, reason, "" if verdict == "ok" else "solid.model = beam is implicit")

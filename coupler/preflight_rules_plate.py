@@ -1,0 +1,81 @@
+"""Pre-flight's rules of the structure alone. See preflight_rules.py."""
+
+from __future__ import annotations
+
+from coupler.preflight_finding import Finding, above, below
+from coupler.preflight_numbers import Numbers
+from shared.schema import PARTICLE_MODELS, Scene
+
+SLENDER_WARN, SLENDER_REFUSE = 5.0, 3.0
+CAUCHY_WARN, CAUCHY_REFUSE = 10.0, 1000.0  # dam_break_plate has 2.5 and bends by half its length
+ACROSS_WARN, ACROSS_REFUSE = 4.0, 3.0
+SOLID_COURANT_LIMIT = {"total-lagrangian": 0.73, "ctvf": 1.0}
+SOLID_COURANT_SAFE = {"total-lagrangian": 0.63, "ctvf": 0.7}
+POISSON_WARN = 0.49
+
+
+def slenderness(scene: Scene, n: Numbers) -> Finding | None:
+    """Length over thickness of the thinnest body, for the model beam."""
+    if n.plate is None or n.plate.model in ("rigid", "spring"):
+        return None
+    value = n.plate.length / n.plate.thickness
+    if n.plate.model != "beam":
+        return Finding("slenderness", value, "ok", "particles take any shape")
+    verdict = below(value, SLENDER_WARN, SLENDER_REFUSE)
+    way_out = "" if verdict == "ok" else "solid.model = total-lagrangian"
+    return Finding("slenderness", value, verdict, f"a beam errs by about 0.75 (t/L)² = {75 / value**2:.2g} %", way_out)
+
+
+def cauchy(scene: Scene, n: Numbers) -> Finding | None:
+    """Deflection over length by linear bending under the scene's loads: load over stiffness."""
+    if n.plate is None or n.plate.deflection is None:
+        return None
+    value = n.plate.deflection / n.plate.length
+    reason = f"linear bending would carry the plate {value:.2g} of its length"
+    verdict = above(value, CAUCHY_WARN, CAUCHY_REFUSE)
+    way_out = "" if verdict == "ok" else "check the units of solid.youngs_modulus, of loads and of lengths"
+    return Finding("Cauchy", value, verdict, reason, way_out)
+
+
+def across(scene: Scene, n: Numbers) -> Finding | None:
+    """Particles across the thinnest body."""
+    if n.plate is None or n.plate.model not in PARTICLE_MODELS:
+        return None
+    verdict = below(n.plate.across, ACROSS_WARN, ACROSS_REFUSE)
+    way_out = "" if verdict == "ok" else f"solid.dx = {n.plate.thickness / 6:.3g} gives 6; or solid.model = beam"
+    reason = "bending is resolved" if verdict == "ok" else "too few to resolve bending"
+    return Finding("particles across", n.plate.across, verdict, reason, way_out)
+
+
+def courant_solid(scene: Scene, n: Numbers) -> Finding | None:
+    """The solid's step over dx/c_p, against what was measured to be stable."""
+    if n.plate is None or n.plate.model not in PARTICLE_MODELS:
+        return None
+    model = n.plate.model
+    value = n.plate.step * n.plate.wave_speed / scene.solid.dx
+    limit = 0.5 if (model, scene.solid.gradient) == ("ctvf", "quadratic") else SOLID_COURANT_LIMIT[model]
+    verdict = above(value, min(SOLID_COURANT_SAFE[model], limit), limit)
+    way_out = "" if verdict == "ok" else "solid.courant = auto"
+    return Finding("Courant, solid", value, verdict, f"stable up to about {limit:g}", way_out)
+
+
+def poisson(scene: Scene, n: Numbers) -> Finding | None:
+    """Poisson's ratio near incompressible."""
+    if n.plate is None or n.plate.model not in PARTICLE_MODELS:
+        return None
+    value = scene.solid.poisson_ratio
+    verdict = above(value, POISSON_WARN)
+    if verdict == "ok":
+        return Finding("Poisson's ratio", value, verdict, "tried up to 0.49")
+    return Finding("Poisson's ratio", value, verdict, "pressure locks bending and shortens the step", "at most 0.49")
+
+
+def printed_gradient(scene: Scene, n: Numbers) -> Finding | None:
+    """The updated-Lagrangian gradient as printed is neither accurate nor whole under tension."""
+    if n.plate is None or n.plate.model != "ctvf":
+        return None
+    order = {"printed": 0, "linear": 1, "quadratic": 2}[scene.solid.gradient]
+    if order:
+        return Finding("gradient order", order, "ok", f"gradient {scene.solid.gradient}")
+    reason = "the printed gradient is 40 % soft at ten across and breaks under tension"
+    return Finding("gradient order", order, "warn", reason, "solid.gradient = linear or quadratic")
