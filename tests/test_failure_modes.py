@@ -210,13 +210,14 @@ def test_water_that_gets_out_is_counted(tmp_path):
 
 def test_the_table_of_failures_names_tests_and_cases_that_exist():
     tests = Path(__file__).parent
+    known = set(
+        re.findall(r"^def (test_\w+)", "".join(path.read_text() for path in tests.glob("test_*.py")), re.MULTILINE)
+    )
     rows = [line for line in (tests.parent / "cases" / "FAILURES.md").read_text().splitlines() if line.startswith("| ")]
     assert len(rows) > 20
     for row in rows[1:]:
-        file, _, name = re.search(r"`(test_\w+\.py(?:::\w+)?)`", row).group(1).partition("::")
-        assert f"def {name}" in (tests / file).read_text()
-        for case in re.findall(r"`(\w+) --set", row):
-            assert case in shipped_cases()
+        assert set(re.findall(r"`(test_\w+)`", row)) & known, row
+        assert set(re.findall(r"`(\w+) --set", row)) <= set(shipped_cases()), row
 
 
 def test_one_particle_across_is_refused():
