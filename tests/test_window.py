@@ -44,9 +44,9 @@ def test_window_of_the_scene_is_kept():
     assert window_length(Coupling(window=0.01), *sides(1e-5, 1.0)) == 0.01
 
 
-@pytest.mark.parametrize(("wave_speed", "steps"), [(20.0, 2), (5000.0, 4)])
+@pytest.mark.parametrize(("wave_speed", "steps"), [(20.0, 1), (5000.0, 4)])
 def test_a_soft_plate_of_many_layers_gets_the_window_that_one_layer_bears(wave_speed, steps):
-    """dam_break_plate with 24 layers of 0.5 mm: in four steps its outermost layer ripples, and the run fails."""
+    """dam_break_plate with 24 layers of 0.5 mm: in two steps its outermost layer ripples, and the run fails."""
     fluid, solid = sides(2.44e-5, 0.012, 24.0, wave_speed)
     solid = replace(solid, spacing=5e-4)
     assert window_length(Coupling(), fluid, solid) == pytest.approx(steps * 2.44e-5 / (1 + 1 / 7))
