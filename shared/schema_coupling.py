@@ -58,7 +58,10 @@ class Coupling(Table):
     window: Positive | Literal["auto"] = key(
         "auto",
         unit="s",
-        about="coupling window; auto: up to four fluid steps, with α = ρ_f c Δt/(ρ_s t) at most 0.08",
+        about=(
+            "coupling window; auto: up to four fluid steps, with α = ρ_f c Δt/(ρ_s t) at most 0.08, and at most 0.5 "
+            "with a soft structure's spacing dx for t"
+        ),
     )
     predictor: Literal[0, 1, 2] = key(0, about="order of the extrapolation from past windows")
     acceleration: Literal["constant", "aitken", "iqn-ils"] = key(
