@@ -19,7 +19,7 @@ from typing import Protocol
 import numpy as np
 
 from shared.checkpoint import State, inside, under
-from shared.schema import Coupling
+from shared.schema_coupling import Coupling
 
 FILTER = 1e-3
 """A difference that the newer ones explain up to this fraction of its length says nothing new, and is left out."""
@@ -72,12 +72,13 @@ class Aitken:
 
     def next(self, x: np.ndarray, found: np.ndarray, weight: np.ndarray) -> np.ndarray:
         """The next point to try."""
-        residual = weight * (found - x)
+        residual = found - x
         if self._last is not None:
-            change = residual - self._last
+            # Both residuals by today's weight, which differs from call to call.
+            before, change = weight * self._last, weight * (residual - self._last)
             square = change @ change
             if square > 0.0:
-                omega = -self._omega * (self._last @ change) / square
+                omega = -self._omega * (before @ change) / square
                 self._omega = float(np.clip(omega, -_LARGEST_FACTOR, _LARGEST_FACTOR)) or self._omega
         self._last = residual
         return x + self._omega * (found - x)

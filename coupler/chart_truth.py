@@ -8,7 +8,8 @@ from typing import Any
 from coupler.chart_variants import Variant
 from shared.contract import BadInput
 from shared.probes import read_probes, reference_curve
-from shared.schema import Reference, Scene
+from shared.schema import Scene
+from shared.schema_probes import Reference
 from shared.statistics import Interval, relative_error, statistic
 
 

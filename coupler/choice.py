@@ -27,7 +27,7 @@ from coupler.vectors import Measure
 from coupler.window import Plan
 from shared.checkpoint import State, inside, under
 from shared.clock import Window
-from shared.schema import Coupling
+from shared.schema_coupling import Coupling
 
 log = logging.getLogger("shearwater")
 

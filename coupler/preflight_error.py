@@ -24,7 +24,8 @@ import math
 from coupler.preflight_finding import PARTICLE_FLUIDS, STEADY
 from coupler.preflight_numbers import Numbers
 from coupler.preflight_rules_joint import HELMHOLTZ_REFUSE
-from shared.schema import RIGID_MODELS, Scene
+from shared.schema import Scene
+from shared.schema_solid import RIGID_MODELS
 
 Parts = dict[str, float]
 

@@ -18,7 +18,9 @@ from coupler.preflight_rules_joint import ALPHA_WARN, SUPPORT_WARN, helmholtz
 from coupler.preflight_rules_plate import ACROSS_WARN
 from coupler.preflight_rules_water import WATER_ACROSS_WARN
 from shared.scene_checks import check_scene
-from shared.schema import PARTICLE_MODELS, RIGID_MODELS, Fluid, Scene, Solid
+from shared.schema import Scene
+from shared.schema_fluid import Fluid
+from shared.schema_solid import PARTICLE_MODELS, RIGID_MODELS, Solid
 from shared.sides import probe_rows
 
 Standing = Literal["smallest", "enough", "not enough", "cannot"]

@@ -11,7 +11,9 @@ from coupler.preflight_shapes import own_box
 from coupler.preflight_water import UPWARD, Water, area, edge_samples
 from shared.geometry import contains
 from shared.regions import axes_of
-from shared.schema import RIGID_MODELS, Body, Scene
+from shared.schema import Scene
+from shared.schema_geometry import Body
+from shared.schema_solid import RIGID_MODELS
 
 COURANT_UPDATED = {"printed": 0.7, "linear": 0.7, "quadratic": 0.45}  # over dx/c_p, model ctvf
 LIMIT_CLAMPED = 0.73  # largest stable step of total-lagrangian over dx/c_p, without viscosity, both ends clamped

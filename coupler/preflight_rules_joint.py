@@ -7,7 +7,8 @@ import math
 from coupler.preflight_finding import STEADY, Finding, above, below, of_particles
 from coupler.preflight_numbers import Numbers
 from coupler.preflight_window import expected_plan, expected_window
-from shared.schema import PARTICLE_MODELS, Scene
+from shared.schema import Scene
+from shared.schema_solid import PARTICLE_MODELS
 
 HELMHOLTZ_WARN, HELMHOLTZ_REFUSE = 0.8, math.pi / 2.0  # half and all of a quarter wave, where a column resonates
 MASS_RATIO_WARN = 50.0  # the heaviest water that was run explicitly over its plate: hydrostatic_plate, 15

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 from coupler.preflight_finding import Finding, above, below
 from coupler.preflight_numbers import Numbers
-from shared.schema import PARTICLE_MODELS, Scene
+from shared.schema import Scene
+from shared.schema_solid import PARTICLE_MODELS
 
 SLENDER_WARN, SLENDER_REFUSE = 5.0, 3.0
 CAUCHY_WARN, CAUCHY_REFUSE = 10.0, 1000.0  # dam_break_plate has 2.5 and bends by half its length

@@ -7,7 +7,8 @@ import math
 from coupler.preflight_finding import Finding, above, below, of_particles
 from coupler.preflight_numbers import Numbers
 from shared.fluid_step import COURANT, LARGEST_COURANT
-from shared.schema import Domain, Scene
+from shared.schema import Scene
+from shared.schema_geometry import Domain
 
 MACH_WARN, MACH_REFUSE = 0.2, 0.5  # density varies by Ma²: 4 %, a quarter
 MACH_IDLE = 0.02  # five times the usual sound speed, and as many steps, for a density that varies by 0.04 %

@@ -7,7 +7,7 @@ from functools import lru_cache
 import numpy as np
 
 from shared import geometry
-from shared.schema import Shape
+from shared.schema_geometry import Shape
 
 
 class _Same:

@@ -12,7 +12,9 @@ from shared.fluid_step import COURANT, fluid_step
 from shared.geometry import contains, distance_to
 from shared.kernels import kernel_named
 from shared.motion_table import largest_speed
-from shared.schema import Body, FluidBody, Scene, Wall
+from shared.schema import Scene
+from shared.schema_fluid import FluidBody, Wall
+from shared.schema_geometry import Body
 
 MACH_AUTO = 0.1  # largest expected speed over the sound speed "auto"
 _BACKED = 0.75  # of dx: a wall or body this close behind the water's face holds it

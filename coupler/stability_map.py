@@ -16,7 +16,7 @@ from pydantic import Field, ValidationError, model_validator
 from coupler.stability_theory import THEORIES
 from shared.contract import BadInput
 from shared.scene_fields import suggest
-from shared.schema import Name, Positive, Table, key
+from shared.schema_base import Name, Positive, Table, key
 
 
 class Scale(Table):

@@ -11,7 +11,8 @@ from dataclasses import dataclass, field
 
 from shared.contract import Description
 from shared.geometry import own_box
-from shared.schema import Coupling, Scene
+from shared.schema import Scene
+from shared.schema_coupling import Coupling
 
 LARGEST_ALPHA = 0.08
 """Largest α of an automatic window without iteration. On an absorbing column the serial protocol holds up to 2, 1.155

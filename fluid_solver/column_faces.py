@@ -9,7 +9,8 @@ import numpy as np
 
 from shared.contract import BadInput
 from shared.geometry import fill, outline, own_box
-from shared.schema import Body, Scene
+from shared.schema import Scene
+from shared.schema_geometry import Body
 
 _TOUCHING = 1e-6  # of dx: faces this near to each other touch
 _PARALLEL = 1e-9  # sine of the angle between faces that touch

@@ -7,7 +7,7 @@ import math
 import numpy as np
 
 from shared.geometry import outline
-from shared.schema import FluidBody
+from shared.schema_fluid import FluidBody
 
 
 def initial_flow(body: FluidBody, position: np.ndarray, rho0: float) -> tuple[np.ndarray, np.ndarray]:

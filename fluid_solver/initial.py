@@ -18,7 +18,9 @@ from fluid_solver.period import period_of, within_period
 from shared.contract import BadInput
 from shared.geometry import contains, distance_to, fill, ghosts, outline, wall_particles
 from shared.motion_table import largest_speed
-from shared.schema import Body, Scene, Wall
+from shared.schema import Scene
+from shared.schema_fluid import Wall
+from shared.schema_geometry import Body
 
 MACH = 0.1  # largest expected speed over the automatic sound speed: density varies by 1 %
 CLEAR = 0.25  # of dx: fluid laid nearer to a face is moved off it; on the face it would start at the wrong pressure

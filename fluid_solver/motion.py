@@ -16,7 +16,8 @@ from fluid_solver.initial import Ghosts
 from shared.contract import Kinematics
 from shared.jit import inline_njit, njit, parallel_njit
 from shared.motion_table import MotionTable
-from shared.schema import Motion, Scene
+from shared.schema import Scene
+from shared.schema_geometry import Motion
 
 POSE = 8
 

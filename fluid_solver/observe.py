@@ -9,7 +9,8 @@ from fluid_solver.fields import FLUID, RHO, STRUCTURE, M, U, V, X, Y
 from fluid_solver.sampling import sample, surface_at
 from shared.jit import njit
 from shared.kernels import Kernel
-from shared.schema import Probe, Scene
+from shared.schema import Scene
+from shared.schema_probes import Probe
 
 CONNECTED = 6  # fluid neighbours within the support that make a particle part of the bulk, not of the spray
 INSIDE = 0.5  # of dx: fluid nearer than this to a ghost's centre is inside a wall

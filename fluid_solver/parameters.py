@@ -10,7 +10,8 @@ import numpy as np
 
 from shared.fluid_step import COURANT, LARGEST_COURANT
 from shared.kernels import Kernel, evaluate
-from shared.schema import Fluid, Scene
+from shared.schema import Scene
+from shared.schema_fluid import Fluid
 
 EDAC_ALPHA = 0.5  # ν_e = EDAC_ALPHA h c0/8 (Ramachandran & Puri 2019)
 _WEAKEST = {"limited": -0.01, "none": 0.0, "free": -math.inf}

@@ -15,7 +15,8 @@ from scipy.spatial import cKDTree
 
 from shared.contract import BadInput
 from shared.geometry import contains, outline
-from shared.schema import Scene, Shape
+from shared.schema import Scene
+from shared.schema_geometry import Shape
 
 log = logging.getLogger("shearwater")
 

@@ -15,7 +15,8 @@ import numpy as np
 from scipy.spatial import cKDTree
 
 from shared.regions import axes_of, contains, distance_to, faces, outline, own_box, turn
-from shared.schema import Shape, Wall
+from shared.schema_fluid import Wall
+from shared.schema_geometry import Shape
 
 __all__ = [
     "Particles",

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from scipy.interpolate import PchipInterpolator
 
-from shared.schema import Motion
+from shared.schema_geometry import Motion
 
 _SAMPLES = 1001  # times at which a motion's speed is looked at
 

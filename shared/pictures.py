@@ -19,7 +19,8 @@ from shared.contract import BadInput, Frame
 from shared.drawing import FAINT, FONT_PT, INK, axes_at, largest_size, new_figure, save, si_scale
 from shared.geometry import outline
 from shared.probe_plots import draw_probes
-from shared.schema import Scene, Wall
+from shared.schema import Scene
+from shared.schema_fluid import Wall
 from shared.vtkhdf import read_frame
 
 __all__ = ["draw_last_frame", "draw_pictures", "draw_probes"]

@@ -9,7 +9,8 @@ import numpy as np
 
 from shared.drawing import FAINT, FONT_PT, INK, axes_at, largest_size, new_figure, save, si_scale
 from shared.probes import UNITS, read_probes, reference_curve
-from shared.schema import Probe, Reference, Scene
+from shared.schema import Scene
+from shared.schema_probes import Probe, Reference
 from shared.statistics import statistic
 
 _WIDTH_IN, _HEIGHT_IN = 6.5, 3.6

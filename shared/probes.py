@@ -13,7 +13,8 @@ import numpy as np
 from shared.checkpoint import cut_lines
 from shared.contract import BadInput, ShearwaterError
 from shared.curves import read_curve
-from shared.schema import Reference, Scene
+from shared.schema import Scene
+from shared.schema_probes import Reference
 from shared.statistics import Interval, finite, relative_error, statistic
 
 UNITS = {

@@ -13,7 +13,7 @@ import math
 
 import numpy as np
 
-from shared.schema import Rotation, Shape
+from shared.schema_geometry import Rotation, Shape
 
 CIRCLE_EDGES = 256
 _PROBE = 1e-7  # offset from an edge, over the region's size, at which inside and outside are told apart

@@ -15,7 +15,9 @@ from typing import Annotated, Any
 from pydantic import TypeAdapter, ValidationError
 
 from shared.scene_fields import allowed, closest, is_list, keys_of, suggest, table_in
-from shared.schema import SHAPE_KINDS, Scene, Shape, Table
+from shared.schema import Scene
+from shared.schema_base import Table
+from shared.schema_geometry import SHAPE_KINDS, Shape
 
 _QUOTED = re.compile('"([^"]+)"')
 _LONGEST_VALUE = 60  # characters of an offending value that are shown

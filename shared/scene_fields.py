@@ -13,7 +13,7 @@ from typing import Annotated, Any, Literal, Union, get_args, get_origin
 
 from pydantic.fields import FieldInfo
 
-from shared.schema import Table
+from shared.schema_base import Table
 
 
 def closest(word: str, options: Iterable[str]) -> str | None:

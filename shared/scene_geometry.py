@@ -12,7 +12,10 @@ import numpy as np
 from scipy.spatial import cKDTree
 
 from shared.geometry import contains, distance_to, faces, fill, outline, own_box, wall_particles
-from shared.schema import PARTICLE_MODELS, RIGID_MODELS, SHAPE_KINDS, Body, Domain, Scene, Shape, Wall
+from shared.schema import Scene
+from shared.schema_fluid import Wall
+from shared.schema_geometry import SHAPE_KINDS, Body, Domain, Shape
+from shared.schema_solid import PARTICLE_MODELS, RIGID_MODELS
 
 OVERLAP_TOLERANCE = 0.01  # depth over dx up to which two bodies only touch
 MOST_CELLS = 2e7  # particles per body that fit the memory of a large workstation

@@ -6,7 +6,9 @@ from collections.abc import Callable, Iterator
 
 from shared.geometry import own_box
 from shared.scene_geometry import across, has_shape
-from shared.schema import PARTICLE_MODELS, RIGID_MODELS, Scene, Shape
+from shared.schema import Scene
+from shared.schema_geometry import Shape
+from shared.schema_solid import PARTICLE_MODELS, RIGID_MODELS
 
 LEAST_SLENDER = 3.0  # length over thickness below which a body is no beam
 WANTED_SLENDER = 5.0  # below it, shear and the clamps' neighbourhood rule, which a beam only sketches

@@ -11,7 +11,9 @@ from pathlib import Path
 from typing import Any
 
 from shared.scene_fields import allowed, is_list, keys_of, table_in
-from shared.schema import Scene, Shape, Table
+from shared.schema import Scene
+from shared.schema_base import Table
+from shared.schema_geometry import Shape
 
 MARKER = "<!-- Below: made from the vocabulary by `python -m shared.scene_reference` -->"
 

@@ -4,28 +4,9 @@ from __future__ import annotations
 
 from typing import Annotated, Literal
 
-from pydantic import Field, model_validator
+from pydantic import Field
 
 from shared.schema_base import NonNegative, Positive, Table, key
-
-
-class Column(Table):
-    """Model column: each fluid body is a rectangle with one face on the structure; its far end is the opposite one."""
-
-    far_end: Literal["open", "closed"] = key("open", about="open: at no pressure; closed: a fixed wall")
-    reflection: Annotated[float, Field(ge=0.0, le=1.0)] = key(
-        1.0, unit="-", about="amplitude d of a sound pulse after its way to the far end and back; 0: nothing comes back"
-    )
-    compressible: bool = key(
-        True,
-        about="true: sound at fluid.sound_speed, by characteristics; false: a column moves as one (far end open)",
-    )
-
-    @model_validator(mode="after")
-    def _incompressible_is_open(self):
-        if not self.compressible and (self.far_end == "closed" or self.reflection != 1.0):
-            raise ValueError('compressible = false needs far_end = "open" and reflection = 1: other water cannot move')
-        return self
 
 
 class Limits(Table):

@@ -8,7 +8,9 @@ from dataclasses import dataclass
 import numpy as np
 
 from shared.contract import BadInput
-from shared.schema import Load, Motion, Scene, Solid
+from shared.schema import Scene
+from shared.schema_geometry import Motion
+from shared.schema_solid import Load, Solid
 from solid_solver.filled import FilledBody
 from solid_solver.loads import Schedule, schedule
 

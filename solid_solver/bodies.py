@@ -14,7 +14,8 @@ from shared.contract import BadInput
 from shared.geometry import Particles, faces, fill
 from shared.kernels import kernel_named
 from shared.motion_table import MotionTable
-from shared.schema import Scene, SolidBody
+from shared.schema import Scene
+from shared.schema_solid import SolidBody
 from solid_solver.clamps import FACE_POINT_WEIGHT, face_points
 from solid_solver.held import FIELDS, MovingClamp
 from solid_solver.quadratic_fit import Fit, basis, basis_slope, quadratic_fit

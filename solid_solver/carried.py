@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from shared.motion_table import MotionTable
-from shared.schema import Motion
+from shared.schema_geometry import Motion
 from solid_solver.rigid_points import moved
 
 

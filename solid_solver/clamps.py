@@ -7,7 +7,7 @@ import math
 import numpy as np
 
 from shared.geometry import faces
-from shared.schema import Clamp
+from shared.schema_solid import Clamp
 
 FACE_POINT_WEIGHT = 0.5
 """Weight of a fixed point in the quadratic fit, against 1 for a particle: the half cell between the face and the

@@ -10,7 +10,8 @@ import numpy as np
 
 from shared.contract import BadInput
 from shared.geometry import fill
-from shared.schema import Scene, SolidBody
+from shared.schema import Scene
+from shared.schema_solid import SolidBody
 
 
 @dataclass(frozen=True)

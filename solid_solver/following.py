@@ -13,7 +13,7 @@ import numpy as np
 from scipy.sparse import csr_array
 
 from shared.geometry import faces
-from shared.schema import Load
+from shared.schema_solid import Load
 from solid_solver.bodies import LatticeBody
 from solid_solver.clamps import face_points
 from solid_solver.held import MovingClamp, sizes

@@ -12,7 +12,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from shared.motion_table import MotionTable
-from shared.schema import Clamp
+from shared.schema_solid import Clamp
 from solid_solver.rigid_points import moved
 
 FIELDS = 3

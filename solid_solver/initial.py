@@ -8,7 +8,7 @@ import numpy as np
 from scipy.optimize import brentq
 
 from shared.geometry import own_box
-from shared.schema import Solid, SolidBody
+from shared.schema_solid import Solid, SolidBody
 
 _OUTWARD = {"left": (-1.0, 0.0), "right": (1.0, 0.0), "bottom": (0.0, -1.0), "top": (0.0, 1.0)}
 """Outward normal of a rectangle's faces, before rotation."""

@@ -8,7 +8,8 @@ import numpy as np
 
 from shared.contract import Description, Kinematics
 from shared.geometry import own_box
-from shared.schema import Scene, Solid
+from shared.schema import Scene
+from shared.schema_solid import Solid
 from solid_solver.bodies import LatticeBody
 from solid_solver.filled import FilledBody
 

@@ -11,7 +11,7 @@ from collections.abc import Mapping
 
 import numpy as np
 
-from shared.schema import Solid
+from shared.schema_solid import Solid
 from solid_solver.bodies import LatticeBody
 from solid_solver.energies import lattice_energy
 from solid_solver.held import sizes

@@ -9,7 +9,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from shared.geometry import faces
-from shared.schema import Load, Scene
+from shared.schema import Scene
+from shared.schema_solid import Load
 from solid_solver.bodies import LatticeBody
 from solid_solver.clamps import face_points
 from solid_solver.following import FollowingLoad, following_load

@@ -7,7 +7,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from shared.schema import Probe, Scene
+from shared.schema import Scene
+from shared.schema_probes import Probe
 from solid_solver.bodies import LatticeBody
 
 _REACH = 2.6  # spacings: particles about a point that its stress is fitted to

@@ -21,7 +21,8 @@ from shared.face_loads import FaceLoads
 from shared.link import InProcessLink
 from shared.participant import Participant, own_faces
 from shared.scene import load_scene
-from shared.schema import Coupling, Scene
+from shared.schema import Scene
+from shared.schema_coupling import Coupling
 from shared.service import Service
 from solid_solver.models import make_model as make_solid
 

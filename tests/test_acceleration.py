@@ -38,6 +38,17 @@ def test_aitken_solves_one_mode_at_the_third_evaluation(g, omega):
     assert evaluations(Aitken(omega), np.full(5, g), np.arange(1.0, 6.0), np.zeros(5), 1e-10)[0] == 3
 
 
+@pytest.mark.parametrize("g", [0.5, 3.0, 100.0])
+def test_aitken_solves_one_mode_by_whatever_weights(g):
+    """Weights are one over the size of the load found, another one at every evaluation."""
+    aitken, x = Aitken(0.5), np.zeros(1)
+    aitken.begin()
+    for _ in range(2):
+        found = 1.0 - g * x
+        x = aitken.next(x, found, 1.0 / np.abs(found))
+    np.testing.assert_allclose(x, 1.0 / (1.0 + g), rtol=1e-12)
+
+
 @pytest.mark.parametrize("modes", [1, 2, 3, 5, 8])
 def test_iqn_ils_solves_m_modes_within_m_plus_two(modes):
     g = np.repeat(np.linspace(0.3, 4.0, modes), 3)

@@ -6,7 +6,7 @@ import pytest
 from fluid_solver.fields import AX, AY, FLUID, RHO, STRUCTURE, P, U, X, Y
 from fluid_solver.models import make_model
 from fluid_solver.motion import WallMotion, structure_pose
-from shared.schema import Motion
+from shared.schema_geometry import Motion
 from tests.test_fluid_model import G, begun, fluid_rows, run, scene, tank
 
 

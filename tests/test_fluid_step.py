@@ -8,7 +8,7 @@ from coupler.preflight_water import measure_water
 from fluid_solver.models import make_model
 from shared.fluid_step import COURANT, FORCE_STEP, LARGEST_COURANT, VISCOUS_STEP, fluid_step
 from shared.motion_table import largest_speed
-from shared.schema import Motion
+from shared.schema_geometry import Motion
 from tests.test_fluid_model import dam
 
 

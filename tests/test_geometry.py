@@ -6,7 +6,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from shared.geometry import contains, distance_to, faces, fill, ghosts, outline, wall_particles
-from shared.schema import Shape, Wall
+from shared.schema_fluid import Wall
+from shared.schema_geometry import Shape
 
 PLATE = Shape(rectangle=(0.0, 0.0, 0.2, 0.012))
 

@@ -18,7 +18,7 @@ from coupler.preflight_numbers import scene_numbers
 from coupler.preflight_rules import RULES, findings
 from fluid_solver.models import make_model as make_fluid
 from shared.scene import load_scene, shipped_cases
-from shared.schema import Fluid
+from shared.schema_fluid import Fluid
 from solid_solver.models import make_model as make_solid
 from tests.scenes import tiny_coupled
 

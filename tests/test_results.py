@@ -15,7 +15,8 @@ from hypothesis import strategies as st
 from shared.contract import BadInput, ShearwaterError
 from shared.probes import UNITS, ProbeTable, compare, probe_units, read_probes
 from shared.results import environment, make_result, new_run_directory, write_result
-from shared.schema import Quantity, Scene
+from shared.schema import Scene
+from shared.schema_probes import Quantity
 from shared.statistics import relative_error, statistic
 
 OMEGA = 2.0 * math.pi * 30.25  # first frequency of the beam under a uniform load [rad/s]

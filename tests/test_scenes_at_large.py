@@ -12,7 +12,8 @@ from coupler.run import run_coupled
 from fluid_solver.models import make_model
 from shared.geometry import fill
 from shared.scene import load_scene
-from shared.schema import Domain, Scene
+from shared.schema import Scene
+from shared.schema_geometry import Domain
 from shared.solo import run_alone
 from shared.vtkhdf import read_frame
 

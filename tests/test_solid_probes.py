@@ -7,7 +7,7 @@ import pytest
 
 from shared.contract import BadInput
 from shared.scene import load_scene, scene_warnings
-from shared.schema import Load
+from shared.schema_solid import Load
 from shared.statistics import statistic
 from solid_solver.bodies import lattice_bodies
 from solid_solver.following import following_load

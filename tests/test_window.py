@@ -9,7 +9,7 @@ import pytest
 
 from coupler.window import alpha_rate, window_length
 from shared.contract import Description
-from shared.schema import Coupling
+from shared.schema_coupling import Coupling
 
 NOTHING = np.zeros((0, 2)), np.zeros(0), np.zeros(0, dtype=np.int64)
 
