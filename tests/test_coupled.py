@@ -26,7 +26,7 @@ def run(scene, out, *options):
 def runs(tmp_path_factory):
     """The same scene over zenoh with 1 and 2 threads, and in-process."""
     folder = tmp_path_factory.mktemp("coupled")
-    scene = tiny_coupled(folder, end_time=0.03)
+    scene = tiny_coupled(folder, end_time=0.04)
     return {
         "zenoh": run(scene, folder / "zenoh", "--threads", "fluid=1,solid=1"),
         "two threads": run(scene, folder / "two", "--threads", "fluid=2,solid=2"),
