@@ -33,6 +33,7 @@ _HEARTBEAT_PERIOD_S = 1.0
 _SILENT_AFTER_S = 15.0  # beyond zenoh's own lease of 10 s
 _FIRST_STEP_WITHIN_S = 900.0  # a first run compiles, on a busy machine for minutes
 _POLL_S = 0.2
+_CLOSE_WITHIN_S = 5.0
 _MOST_WAITING = 4  # messages in a channel: one request or reply, and one that wakes
 
 
@@ -78,12 +79,29 @@ def listening(run: str, endpoint: str | None = None) -> Iterator[tuple[zenoh.Ses
         except zenoh.ZError as error:
             if attempts == 0:
                 raise ParticipantLost(f"cannot listen on {chosen}: {error}") from None
-    with session:
+    with _closing(session):
         token = session.liveliness().declare_token(_key(run, "coupler", "alive"))
         try:
             yield session, chosen
         finally:
             token.undeclare()
+
+
+@contextlib.contextmanager
+def _closing(session: zenoh.Session) -> Iterator[None]:
+    """Close the session at the end, as soon as no other thread is sending a wake-up through it."""
+    try:
+        yield
+    finally:
+        deadline = time.monotonic() + _CLOSE_WITHIN_S
+        while True:
+            try:
+                session.close()
+                break
+            except RuntimeError:  # "Already borrowed"
+                if time.monotonic() > deadline:
+                    raise
+                time.sleep(1e-3)
 
 
 class ZenohLink:
@@ -225,7 +243,7 @@ def serve(
             "(a refused password or certificate shows as this time-out too)"
         ) from None
     stop = threading.Event()
-    with session:
+    with _closing(session):
         replies = session.declare_publisher(
             _key(run, name, "reply"), congestion_control=zenoh.CongestionControl.BLOCK, express=True
         )
