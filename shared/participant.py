@@ -17,6 +17,7 @@ import numpy as np
 from shared.checkpoint import inside, read_state, under, write_state
 from shared.clock import Clock, Window
 from shared.contract import (
+    BadInput,
     Description,
     Exchange,
     Kinematics,
@@ -156,11 +157,17 @@ class Participant:
         """Take the state, and the number of the next window, from the HDF5 file `path`."""
         self._need(self._stage == "ready", "load", self._why_not_ready())
         state = read_state(Path(path))
-        self.model.restore(inside("model", state))
-        if self._places is not None:
-            self._places = (state["places"],) * 2
-        self._next = int(state["window"])
-        self._earlier = {name: float(value) for name, value in inside("cost", state).items()}
+        try:
+            self.model.restore(inside("model", state))
+            if self._places is not None:
+                self._places = (state["places"],) * 2
+            self._next = int(state["window"])
+            self._earlier = {name: float(value) for name, value in inside("cost", state).items()}
+        except (KeyError, ValueError) as error:
+            raise BadInput(
+                f"The checkpoint {path} does not fit this run ({error}): it was written under another scene, or by "
+                "another version. Start the run again with `run`."
+            ) from None
         self._saved = None
 
     def finish(self) -> dict[str, object]:

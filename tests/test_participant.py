@@ -5,8 +5,9 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from shared.checkpoint import write_state
 from shared.clock import Clock
-from shared.contract import Loads, OutOfOrder
+from shared.contract import BadInput, Loads, OutOfOrder
 from shared.participant import Participant
 
 CLOCK = Clock(1.0, 10)
@@ -91,3 +92,10 @@ def test_loads_travel_to_the_selected_points_only(toy_spring):
     moved = part.advance(CLOCK.window(0), some)
     assert moved.position.shape == (2, 2)
     np.testing.assert_allclose(moved.position, full.advance(CLOCK.window(0), LOAD).position[[1, 3]], rtol=1e-15)
+
+
+def test_checkpoint_of_another_run_is_refused(toy_spring, tmp_path):
+    participant = started(toy_spring())
+    write_state(tmp_path / "state.h5", {"window": np.array(1)})
+    with pytest.raises(BadInput, match="does not fit this run"):
+        participant.load(tmp_path / "state.h5")
