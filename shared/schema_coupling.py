@@ -40,7 +40,7 @@ class Coupling(Table):
         "auto",
         unit="s",
         about=(
-            "coupling window; auto: up to four fluid steps, with α = ρ_f c Δt/(ρ_s t) at most 0.08, and at most 0.5 "
+            "coupling window; auto: up to four fluid steps, with α = ρ_f c Δt/(ρ_s t) at most 0.07, and at most 0.5 "
             "with a soft structure's spacing dx for t"
         ),
     )
