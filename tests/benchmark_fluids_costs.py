@@ -8,28 +8,15 @@ import subprocess
 import sys
 import tempfile
 import time
-from collections.abc import Callable
-from dataclasses import dataclass
 from functools import cache, partial
 
 from fluid_solver.bench import run_benchmark
 from fluid_solver.models import make_model
 from shared.scene import load_scene
+from tests.benchmark_table import Measure
 
 PARTICLES = 180_000
 TIMED = 100  # steps at either end of a dam break
-
-
-@dataclass(frozen=True)
-class Measure:
-    """A figure found by `find`, repeated by `command`."""
-
-    demand: str
-    command: str
-    find: Callable[[], float]
-    unit: str
-    least: float | None = None
-    most: float | None = None
 
 
 @cache

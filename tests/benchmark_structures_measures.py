@@ -3,29 +3,16 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Callable
-from dataclasses import dataclass
 from functools import partial
 
 from shared.commands import default_threads
 from shared.scene import load_scene
 from solid_solver.bench import run_benchmark
 from solid_solver.models import make_model
+from tests.benchmark_table import Measure
 from tests.structures_invariance import VIEWS, changed_answer, tracer_error
 
 SETTLED = 0.06  # s, when the damped beam of case A is at rest to 0.3 %
-
-
-@dataclass(frozen=True)
-class Measure:
-    """`find()`: the figure; `least`, `most`: what is allowed of it, in `unit`; `command` repeats it."""
-
-    demand: str
-    command: str
-    find: Callable[[], float]
-    unit: str
-    least: float | None = None
-    most: float | None = None
 
 
 def rate(particles: int, model: str, gradient: str, threads: int, steps: int) -> float:

@@ -3,11 +3,24 @@
 from __future__ import annotations
 
 import csv
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
 from pathlib import Path
 
 RESULTS = Path(__file__).resolve().parent.parent / "cases" / "results"
 MET, MISSED = "met", "missed"
+
+
+@dataclass(frozen=True)
+class Measure:
+    """A figure that is no run of a case: `find()`, in `unit`; `least`, `most`: allowed; `command` repeats it."""
+
+    demand: str
+    command: str
+    find: Callable[[], float]
+    unit: str
+    least: float | None = None
+    most: float | None = None
 
 
 def verdict(kept: bool | None) -> str:
