@@ -47,28 +47,22 @@ def thickness(scene: Scene) -> float:
 def describe(scene: Scene, bodies: list[LatticeBody], stable_step: float) -> Description:
     """The structure's description: every particle is an interface point."""
     solid = scene.solid
-    return Description(
-        name="solid",
-        role="structure",
-        model=solid.model,
-        stable_step=stable_step,
-        spacing=solid.dx,
-        position=np.concatenate([b.position for b in bodies]),
-        volume=np.concatenate([np.full(len(b.position), b.cell) for b in bodies]),
-        body=np.concatenate([np.full(len(b.position), k) for k, b in enumerate(bodies)]),
-        numbers={
-            "density": solid.density,
-            "thickness": thickness(scene),
-            "wave_speed": wave_speed(solid),
-            "youngs_modulus": solid.youngs_modulus,
-            "poisson_ratio": solid.poisson_ratio,
-            "spacing_min": min(float(b.spacing.min()) for b in bodies),
-        },
-    )
+    elastic = {
+        "wave_speed": wave_speed(solid),
+        "youngs_modulus": solid.youngs_modulus,
+        "poisson_ratio": solid.poisson_ratio,
+    }
+    return _describe_points(scene, bodies, stable_step, elastic)
 
 
 def describe_rigid(scene: Scene, bodies: list[FilledBody], stable_step: float) -> Description:
     """The structure's description: the points of the particle lattice."""
+    return _describe_points(scene, bodies, stable_step, {})
+
+
+def _describe_points(
+    scene: Scene, bodies: list[LatticeBody] | list[FilledBody], stable_step: float, numbers: dict[str, float]
+) -> Description:
     solid = scene.solid
     return Description(
         name="solid",
@@ -83,6 +77,7 @@ def describe_rigid(scene: Scene, bodies: list[FilledBody], stable_step: float) -
             "density": solid.density,
             "thickness": thickness(scene),
             "spacing_min": min(float(b.spacing.min()) for b in bodies),
+            **numbers,
         },
     )
 
