@@ -25,6 +25,7 @@ COLUMNS = 2  # cells per support along a row
 SEGMENT = 32  # cells of a row that share a buffer
 BLOCK = 4096  # particles per task of an elementwise loop
 CHUNKS = 48  # tasks of a sweep; fixed, so that nothing depends on the thread count
+SORTS = 16  # tasks of the sort
 MAX_CELLS = 8_000_000
 _NOT_NEGATIVE = 2**62 - 1
 
@@ -38,30 +39,29 @@ class Grid(NamedTuple):
     period_y: float
 
 
-@njit
-def bounds(S, kind, count):
-    """Bounding box (x0, y0, x1, y1) [m] of the first `count` particles, less the parked ones."""
-    x0 = y0 = np.inf
-    x1 = y1 = -np.inf
-    for i in range(count):
-        if kind[i] != PARKED:
-            x0 = min(x0, S[X, i])
-            x1 = max(x1, S[X, i])
-            y0 = min(y0, S[Y, i])
-            y1 = max(y1, S[Y, i])
-    return x0, y0, x1, y1
+@parallel_njit
+def park_and_bound(S, kind, count, domain, boxes):
+    """Mark fluid that is outside `domain` (x0, y0, x1, y1), or nowhere, as parked.
 
-
-@njit
-def park(S, kind, count, domain):
-    """Mark fluid that is outside `domain` (x0, y0, x1, y1), or nowhere, as parked; returns how many were."""
+    Returns how many were, and the bounding box (x0, y0, x1, y1) [m] of all that are not parked. `boxes` (blocks, 4).
+    """
+    blocks = (count + BLOCK - 1) // BLOCK
     parked = 0
-    for i in range(count):
-        inside = domain[0] <= S[X, i] <= domain[2] and domain[1] <= S[Y, i] <= domain[3]
-        if kind[i] == FLUID and not inside:
-            kind[i] = PARKED
-            parked += 1
-    return parked
+    for block in numba.prange(blocks):
+        x0 = y0 = np.inf
+        x1 = y1 = -np.inf
+        left = 0
+        for i in range(block * BLOCK, min(block * BLOCK + BLOCK, count)):
+            x, y = S[X, i], S[Y, i]
+            if kind[i] == FLUID and not (domain[0] <= x <= domain[2] and domain[1] <= y <= domain[3]):
+                kind[i] = PARKED
+                left += 1
+            if kind[i] != PARKED:
+                x0, x1, y0, y1 = min(x0, x), max(x1, x), min(y0, y), max(y1, y)
+        boxes[block, 0], boxes[block, 1], boxes[block, 2], boxes[block, 3] = x0, y0, x1, y1
+        parked += left
+    x0, y0 = np.min(boxes[:blocks, 0]), np.min(boxes[:blocks, 1])
+    return parked, x0, y0, np.max(boxes[:blocks, 2]), np.max(boxes[:blocks, 3])
 
 
 @njit
@@ -77,43 +77,74 @@ def wrap(S, count, period):
                     S[axis, i] -= length
 
 
-@njit
-def count_cells(S, kind, count, origin, inv_cell, grid, key, start, order):
-    """Keys, starts and sorted order of the first `count` particles; parked ones go to the end.
+@parallel_njit
+def find_cells(S, kind, count, origin, inv_cell, grid, key, parked_key, spans):
+    """Keys of the first `count` particles, `parked_key` of the parked; least and largest of each block in `spans`.
 
     `origin` (2,) [m]: corner of the first cell within the ring; `inv_cell` (2,) [1/m]: one over the cells' size.
     """
-    parked_key = start.size - 2
     last_column, last_row = grid.columns - COLUMNS - 1, grid.rows - 2
-    start[:] = 0
-    for i in range(count):
-        if kind[i] == PARKED:
-            key[i] = parked_key
-        else:
-            column = min(int((S[X, i] - origin[0]) * inv_cell[0]) + COLUMNS, last_column)
-            row = min(int((S[Y, i] - origin[1]) * inv_cell[1]) + 1, last_row)
-            key[i] = 2 * (row * grid.columns + column) + (0 if kind[i] == FLUID else 1)
-        start[key[i] + 1] += 1
-    for k in range(start.size - 1):
-        start[k + 1] += start[k]
-    for i in range(count):
-        order[start[key[i]]] = i
-        start[key[i]] += 1
-    for k in range(start.size - 1, 0, -1):
-        start[k] = start[k - 1]
-    start[0] = 0
+    for block in numba.prange((count + BLOCK - 1) // BLOCK):
+        least, most = parked_key, 0
+        for i in range(block * BLOCK, min(block * BLOCK + BLOCK, count)):
+            k = parked_key
+            if kind[i] != PARKED:
+                column = min(int((S[X, i] - origin[0]) * inv_cell[0]) + COLUMNS, last_column)
+                row = min(int((S[Y, i] - origin[1]) * inv_cell[1]) + 1, last_row)
+                k = 2 * (row * grid.columns + column) + (0 if kind[i] == FLUID else 1)
+            key[i] = k
+            least, most = min(least, k), max(most, k)
+        spans[block, 0], spans[block, 1] = least, most
 
 
 @parallel_njit
-def permute(S, kind, ids, order, count, S2, kind2, ids2):
-    """Copy the first `count` particles into sorted order, the others as they are."""
+def count_cells(key, count, spans, start, order):
+    """Starts of the cells and sorted order of the first `count` particles by `key`, equal ones as they stood.
+
+    Each task sorts a range of keys. Particles stand in the order of the sort before, so that nearly all of a task's
+    lie in few blocks, and ranges cut at every so many particles are of like work.
+    """
+    blocks = (count + BLOCK - 1) // BLOCK
+    first = np.zeros(SORTS + 1, dtype=np.int64)  # key of each task
+    total = np.zeros(SORTS + 1, dtype=np.int64)
+    for task in range(1, SORTS):
+        first[task] = max(first[task - 1], key[task * count // SORTS])
+    first[SORTS] = start.size - 1
+    for task in numba.prange(SORTS):
+        lo, hi = first[task], first[task + 1]
+        start[lo + 1 : hi + 1] = 0
+        for block in range(blocks):
+            if spans[block, 0] < hi and spans[block, 1] >= lo:
+                for i in range(block * BLOCK, min(block * BLOCK + BLOCK, count)):
+                    if lo <= key[i] < hi:
+                        start[key[i] + 1] += 1
+        total[task + 1] = np.sum(start[lo + 1 : hi + 1])
+    for task in range(SORTS):
+        total[task + 1] += total[task]
+    start[0] = 0
+    for task in numba.prange(SORTS):
+        lo, hi = first[task], first[task + 1]
+        begin = total[task]
+        for k in range(lo + 1, hi + 1):  # for now, where the cell's next particle goes
+            begin, start[k] = begin + start[k], begin
+        for block in range(blocks):
+            if spans[block, 0] < hi and spans[block, 1] >= lo:
+                for i in range(block * BLOCK, min(block * BLOCK + BLOCK, count)):
+                    if lo <= key[i] < hi:
+                        order[start[key[i] + 1]] = i
+                        start[key[i] + 1] += 1
+
+
+@parallel_njit
+def permute(S, rows, kind, ids, order, count, S2, kind2, ids2):
+    """Copy the first `count` particles into sorted order, the others as they are; of the state only `rows`."""
     n = kind.size
     for block in numba.prange((n + BLOCK - 1) // BLOCK):
         lo = block * BLOCK
         hi = min(lo + BLOCK, n)
         for k in range(max(lo, count), hi):
             order[k] = k
-        for row in range(S.shape[0]):
+        for row in rows:
             source = S[row]
             target = S2[row]
             for k in range(lo, hi):

@@ -18,6 +18,7 @@ NX, NY = 13, 14  # outward unit normal of particles at the free surface, else ze
 GX, GY = 15, 16  # velocity that divergence, ∇u and viscosity see: u; of ghosts mirrored from the fluid's
 FRICTION = 17  # weight of artificial viscosity: 1, and 0 on free-slip walls
 ROWS = 18
+OF_SHIFTING = (SX, SY, NX, NY)  # zero, and left alone, where nothing shifts
 
 FLUID = 0
 FREE_SLIP = 1  # wall without friction

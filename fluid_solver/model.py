@@ -12,7 +12,25 @@ import numba
 import numpy as np
 
 from fluid_solver import diagnosis
-from fluid_solver.fields import FLUID, FREE_SLIP, FRICTION, GX, GY, PARKED, PR2, RHO, ROWS, VOL, M, P, U, V, X, Y
+from fluid_solver.fields import (
+    FLUID,
+    FREE_SLIP,
+    FRICTION,
+    GX,
+    GY,
+    OF_SHIFTING,
+    PARKED,
+    PR2,
+    RHO,
+    ROWS,
+    VOL,
+    M,
+    P,
+    U,
+    V,
+    X,
+    Y,
+)
 from fluid_solver.forces import make_forces
 from fluid_solver.initial import fluid_particles, lay_ghosts, sound_speed
 from fluid_solver.integrate import advance_and_drift, keep_volume, kick, kick_and_drift, largest
@@ -57,7 +75,11 @@ class ParticleFluid:
         self._first = self.fluid_count  # id of the first ghost
         self._walls = self.ghosts.walls
         self.store = Store(
-            *_initial_state(water, self.ghosts), self.c.support, diagnosis.domain_of(scene), period_of(scene)
+            *_initial_state(water, self.ghosts),
+            self.c.support,
+            diagnosis.domain_of(scene),
+            period_of(scene),
+            () if self._transported else OF_SHIFTING,
         )
         self._threads = threads if self.particles() >= SERIAL_BELOW else 1
         self._motion = GhostMotion(scene, self.ghosts)

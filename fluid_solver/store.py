@@ -13,9 +13,9 @@ from fluid_solver.cells import (
     MAX_CELLS,
     SEGMENT,
     Grid,
-    bounds,
     count_cells,
-    park,
+    find_cells,
+    park_and_bound,
     permute,
     share_cells,
     wrap,
@@ -37,11 +37,21 @@ class Store:
     taken off [N s/m]. `moved` [m]: a bound of the displacement since the last sort.
     """
 
-    def __init__(self, S: np.ndarray, kind: np.ndarray, support: float, domain: np.ndarray, period: np.ndarray):
+    def __init__(
+        self,
+        S: np.ndarray,
+        kind: np.ndarray,
+        support: float,
+        domain: np.ndarray,
+        period: np.ndarray,
+        unused: tuple[int, ...] = (),
+    ):
         n = S.shape[1]
+        self._carried = np.setdiff1d(np.arange(S.shape[0]), unused)
         self.S, self.kind, self.ids = _with_slack(S), kind.astype(np.int8), np.arange(n)
         self._spare = _with_slack(S), np.empty_like(self.kind), np.empty_like(self.ids)
         self._key, self._order = np.empty(n, dtype=np.int64), np.empty(n, dtype=np.int64)
+        self._boxes, self._spans = np.empty((n // BLOCK + 1, 4)), np.empty((n // BLOCK + 1, 2), dtype=np.int64)
         self._cells = np.zeros(2, dtype=np.int64)
         self._support, self._domain, self._period = support, domain, period
         self.work = np.zeros((WORK_ROWS, n))
@@ -69,12 +79,14 @@ class Store:
         """Sort all particles by cell; takes those out of the domain out of all loops."""
         S, kind, count = self.S, self.kind, self.count
         wrap(S, count, self._period)
-        self.parked += park(S, kind, count, self._domain)
+        parked, *box = park_and_bound(S, kind, count, self._domain, self._boxes)
+        self.parked += parked
         self._skin = max(_SKIN * self._support, 2.0 * ahead)
-        origin, inv_cell = self._lay_cells(np.array(bounds(S, kind, count)).reshape(2, 2).T)
-        count_cells(S, kind, count, origin, inv_cell, self.grid, self._key, self.start, self._order)
+        origin, inv_cell = self._lay_cells(np.array(box).reshape(2, 2).T)
+        find_cells(S, kind, count, origin, inv_cell, self.grid, self._key, len(self.start) - 2, self._spans)
+        count_cells(self._key, count, self._spans, self.start, self._order)
         S2, kind2, ids2 = self._spare
-        permute(S, kind, self.ids, self._order, count, S2, kind2, ids2)
+        permute(S, self._carried, kind, self.ids, self._order, count, S2, kind2, ids2)
         self._spare = S, kind, self.ids
         self.S, self.kind, self.ids = S2, kind2, ids2
         self.count = int(self.start[-2])
