@@ -25,11 +25,11 @@ from shared.machine import copy_rate, multiply_add_rate
 from shared.scene import load_scene
 from shared.solo import run_alone
 from shared.statistics import relative_error
-from tests.benchmark_fluids_costs import Measure, measures
+from tests.benchmark_fluids_costs import measures
 from tests.benchmark_fluids_measures import Found
 from tests.benchmark_fluids_models import draw, model_rows
 from tests.benchmark_fluids_rows import Job, Row, rows
-from tests.benchmark_table import read_table, verdict, write_table
+from tests.benchmark_table import bounded, bounds, read_table, run_measure, verdict, write_table
 
 COLUMNS = (
     *("demand", "case", "settings", "truth", "found", "error", "allowed", "verdict"),
@@ -76,28 +76,11 @@ def run_row(row: Row, folder: Path, threads: int) -> dict[str, str]:
         error = relative_error(figure, row.truth)
         cells |= {"truth": f"{row.truth:.6g}", "error": f"{100 * error:+.2f} %" if row.truth else f"{error:.3g}"}
         return cells | {"verdict": verdict(None if row.allowed is None else abs(error) <= row.allowed)}
-    return cells | {"verdict": _bounded(figure, row)}
+    return cells | {"verdict": bounded(figure, row)}
 
 
-def run_measure(one: Measure) -> dict[str, str]:
-    """The table's cells of a figure that is no run of a case."""
-    figure = one.find()
-    cells = {"demand": one.demand, "settings": f"`{one.command}`", "found": f"{figure:.4g} {one.unit}".strip()}
-    return cells | {"allowed": _allowed(one), "verdict": _bounded(figure, one)}
-
-
-def _allowed(row: Row | Measure) -> str:
-    if row.least is not None:
-        return f"≥ {row.least:g}"
-    if row.most is not None:
-        return f"≤ {row.most:g}"
-    allowed = getattr(row, "allowed", None)
-    return "" if allowed is None else f"± {allowed:g}"
-
-
-def _bounded(figure: float, row: Row | Measure) -> str:
-    kept = (row.least is None or figure >= row.least) and (row.most is None or figure <= row.most)
-    return verdict(None if row.least is None and row.most is None else kept)
+def _allowed(row: Row) -> str:
+    return bounds(row) or ("" if row.allowed is None else f"± {row.allowed:g}")
 
 
 @cache

@@ -11,7 +11,6 @@ cases/results/structures.csv and shown in structures.md beside it; a row run aga
 from __future__ import annotations
 
 import argparse
-import csv
 import itertools
 import math
 import tempfile
@@ -29,22 +28,13 @@ from shared.solo import run_alone
 from shared.statistics import relative_error, statistic
 from solid_solver.interface import wave_speed
 from solid_solver.models import make_model
-from tests.benchmark_structures_measures import Measure, measures
+from tests.benchmark_structures_measures import measures
 from tests.benchmark_structures_rows import ACROSS, STATIC_SPEEDS, Row, rows
+from tests.benchmark_table import Measure, read_table, run_measure, verdict, write_table
 
-RESULTS = Path(__file__).resolve().parent.parent / "cases" / "results"
 COLUMNS = (
-    "demand",
-    "case",
-    "settings",
-    "truth",
-    "found",
-    "error",
-    "allowed",
-    "verdict",
-    "static",
-    "particles",
-    "core seconds",
+    *("demand", "case", "settings", "truth", "found", "error", "allowed", "verdict"),
+    *("static", "particles", "core seconds"),
 )
 
 
@@ -61,10 +51,6 @@ def _static_run(row: Row, time: np.ndarray, values: np.ndarray, result: dict) ->
     drift = abs(halves[1] / halves[0] - 1.0)
     periods = (end - begin) * omega / (2.0 * math.pi)
     return f"ζ {scene.solid.damping / (2.0 * omega):.2f}, {periods:.1f} periods, drift {100.0 * drift:.2g} %"
-
-
-def _verdict(kept: bool | None) -> str:
-    return "" if kept is None else ("ok" if kept else "missed")
 
 
 def _settings(row: Row) -> str:
@@ -89,9 +75,9 @@ def run_row(row: Row, done: dict, table: dict, threads: int) -> dict[str, str]:
         result, (time, probes) = _run(row, done, threads)
     except ShearwaterError as error:
         expected = bool(row.breaks) and row.breaks in str(error)
-        return cells | {"found": str(error).split(". ")[0][:120], "verdict": _verdict(expected)}
+        return cells | {"found": str(error).split(". ")[0][:120], "verdict": verdict(expected)}
     if row.breaks:
-        return cells | {"found": "it ran to its end", "verdict": _verdict(False)}
+        return cells | {"found": "it ran to its end", "verdict": verdict(False)}
     between = row.between
     if between is None and row.statistic == "mean":
         between = (load_scene(row.case, row.sets).output.average_from, float(time[-1]))
@@ -107,19 +93,10 @@ def run_row(row: Row, done: dict, table: dict, threads: int) -> dict[str, str]:
         "found": f"{found:.6g}",
         "error": f"{error:.3g}" if truth == 0.0 else f"{100.0 * error:+.3f} %",
         "allowed": "" if row.allowed is None else f"{row.allowed:g}",
-        "verdict": _verdict(None if row.allowed is None else abs(error) <= row.allowed),
+        "verdict": verdict(None if row.allowed is None else abs(error) <= row.allowed),
         "particles": str(cost["particles"]),
         "core seconds": f"{cost['stepping_core_s']:.1f}",
     }
-
-
-def run_measure(one: Measure) -> dict[str, str]:
-    """The table's cells for a figure that is no run of a case."""
-    found = one.find()
-    allowed = f"≥ {one.least:g}" if one.least is not None else "" if one.most is None else f"≤ {one.most:g}"
-    kept = (one.least is None or found >= one.least) and (one.most is None or found <= one.most)
-    cells = {"demand": one.demand, "settings": f"`{one.command}`", "found": f"{found:.4g} {one.unit}"}
-    return cells | {"allowed": allowed, "verdict": _verdict(kept if allowed else None)}
 
 
 def falls(table: dict, letter: str) -> dict[str, str] | None:
@@ -133,7 +110,7 @@ def falls(table: dict, letter: str) -> dict[str, str] | None:
     return {
         "demand": f"{letter} static, error falls at 6, 10, 15, 20 across",
         "found": found,
-        "verdict": _verdict(kept),
+        "verdict": verdict(kept),
     }
 
 
@@ -150,41 +127,18 @@ def work(row: Row | Measure) -> float:
     return weight * scene.end_time * wave_speed(solid) / solid.dx * area / solid.dx**2
 
 
-def _ordered(table: dict) -> list[dict[str, str]]:
-    """The rows found, in the order of `rows()` and `measures()`, with those drawn from others."""
-    found = [table[row.demand] for row in (*rows(), *measures()) if row.demand in table]
-    drawn = [row for row in (falls(table, letter) for letter in "AB") if row]
-    return [dict.fromkeys(COLUMNS, "") | row for row in (*drawn, *found)]
-
-
 def _write(table: dict[str, dict[str, str]]) -> None:
-    """The CSV file, and the same as Markdown."""
-    ordered = _ordered(table)
-    with (RESULTS / "structures.csv").open("w", newline="", encoding="utf-8") as file:
-        writer = csv.DictWriter(file, COLUMNS, lineterminator="\n")
-        writer.writeheader()
-        writer.writerows(ordered)
-    missed = [row["demand"] for row in ordered if row["verdict"] == "missed"]
-    lacking = [row.demand for row in (*rows(), *measures()) if row.demand not in table]
+    """The rows found, in the order of `rows()` and `measures()`, with those drawn from others."""
+    wanted = [row.demand for row in (*rows(), *measures())]
+    drawn = [row for row in (falls(table, letter) for letter in "AB") if row]
+    lacking = [demand for demand in wanted if demand not in table]
     head = (
         f"# Structures against what is true\n\nMade by `python -m tests.benchmark_structures`, last on {date.today()}. "
         "Each row: `solid-solver run CASE SETTINGS`, or the command shown. Errors are relative; absolute where the "
         "truth is 0. Static: damping ratio, periods of the first mode averaged over, change of the mean between their "
-        "halves. Core seconds: of stepping.\n\n"
-        f"Missed: {'; '.join(missed) or 'nothing'}.\n\n"
-        f"Not measured yet (`--missing` does): {'; '.join(lacking) or 'nothing'}.\n\n"
+        f"halves. Core seconds: of stepping.\n\nNot measured yet (`--missing` does): {'; '.join(lacking) or 'nothing'}."
     )
-    lines = ["| " + " | ".join(COLUMNS) + " |", "|" + "---|" * len(COLUMNS)]
-    lines += ["| " + " | ".join(row[c].replace("|", "\\|") for c in COLUMNS) + " |" for row in ordered]
-    (RESULTS / "structures.md").write_text(head + "\n".join(lines) + "\n", encoding="utf-8")
-
-
-def _table() -> dict[str, dict[str, str]]:
-    """The rows found before, by demand."""
-    if not (RESULTS / "structures.csv").is_file():
-        return {}
-    with (RESULTS / "structures.csv").open(newline="", encoding="utf-8") as file:
-        return {row["demand"]: {c: row.get(c) or "" for c in COLUMNS} for row in csv.DictReader(file)}
+    write_table("structures", COLUMNS, [*drawn, *(table[demand] for demand in wanted if demand in table)], head)
 
 
 def main() -> None:
@@ -194,8 +148,7 @@ def main() -> None:
     parser.add_argument("--missing", action="store_true", help="run the rows that the table lacks")
     parser.add_argument("--threads", type=int, default=default_threads())
     options = parser.parse_args()
-    RESULTS.mkdir(exist_ok=True)
-    table, done = _table(), {}
+    table, done = read_table("structures", COLUMNS), {}
     wanted = [row for row in (*rows(), *measures()) if not (options.missing and row.demand in table)]
     wanted = [row for row in wanted if options.only in " ".join(map(str, vars(row).values()))]
     _write(table)

@@ -28,6 +28,26 @@ def verdict(kept: bool | None) -> str:
     return "" if kept is None else MET if kept else MISSED
 
 
+def bounds(row) -> str:
+    """What is demanded of a figure by `row.least` or `row.most`, in words of the table."""
+    if row.least is not None:
+        return f"≥ {row.least:g}"
+    return "" if row.most is None else f"≤ {row.most:g}"
+
+
+def bounded(figure: float, row) -> str:
+    """The verdict on a figure by `row.least` and `row.most`."""
+    kept = (row.least is None or figure >= row.least) and (row.most is None or figure <= row.most)
+    return verdict(None if row.least is None and row.most is None else kept)
+
+
+def run_measure(one: Measure) -> dict[str, str]:
+    """The table's cells of a figure that is no run of a case."""
+    figure = one.find()
+    cells = {"demand": one.demand, "settings": f"`{one.command}`", "found": f"{figure:.4g} {one.unit}".strip()}
+    return cells | {"allowed": bounds(one), "verdict": bounded(figure, one)}
+
+
 def read_table(name: str, columns: Sequence[str]) -> dict[str, dict[str, str]]:
     """The rows of cases/results/NAME.csv, by demand."""
     path = RESULTS / f"{name}.csv"
