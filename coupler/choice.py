@@ -37,6 +37,8 @@ class Taker(Protocol):
 
     def __call__(self, c: Coupled, window: Window) -> Outcome: ...
 
+    def heed(self, window: Window, warning: str) -> None: ...
+
     def state(self) -> State: ...
 
     def restore(self, state: State) -> None: ...
@@ -77,6 +79,9 @@ class Fixed:
     def __call__(self, c: Coupled, window: Window) -> Outcome:
         """Take one window."""
         return self._scheme(c, window, self._how)
+
+    def heed(self, window: Window, warning: str) -> None:
+        """What the ledger says of `window`: the scheme stays, and the ledger stops the run at its limit."""
 
     def state(self) -> State:
         """What the acceleration remembers."""
@@ -135,6 +140,11 @@ class Auto:
         outcome = serial_explicit(c, window, self._measure)
         self._watch(window, outcome)
         return outcome
+
+    def heed(self, window: Window, warning: str) -> None:
+        """Leave lagged exchange when the ledger warns of it after `window`."""
+        if warning and self._explicit:
+            self._step_up(window, warning)
 
     def state(self) -> State:
         """Where it stands between the schemes, and what it watches."""

@@ -46,6 +46,7 @@ COLUMNS = (
 
 _SUMS = (
     "past",
+    "warm",
     "impulse_fluid",
     "impulse_structure",
     "work",
@@ -56,6 +57,10 @@ _SUMS = (
 )
 _PATIENCE = 20
 """Windows in a row past a limit that stop the run: in the first windows, and when water hits, lag is all there is."""
+_WARM = 0.5
+"""Of the energy limit, past which lag is worth a warning."""
+_WARM_FOR = 40
+"""Windows in a row past it before the warning. Measured: 8 to 19 where water first strikes dam_break_plate."""
 _WAYS_OUT = {
     "energy": (
         "Energy is made or lost at the interface: the window is too long for this water and this structure. Set "
@@ -82,6 +87,7 @@ class Ledger:
     def __init__(self, path: Path, limits: Limits, rows: int | None = None):
         self._limits = limits
         self._past = 0
+        self._warm = 0
         self._file = _open(path, rows)
         self._impulse_fluid = np.zeros(2)
         self._impulse_structure = np.zeros(2)
@@ -101,8 +107,9 @@ class Ledger:
             value = state[name]
             setattr(self, f"_{name}", value if value.ndim else value.item())
 
-    def record(self, window: Window, outcome: Outcome) -> None:
-        """One accepted window. Raises LedgerExceeded past a limit."""
+    def record(self, window: Window, outcome: Outcome) -> str:
+        """One accepted window; returns a warning once energy is well on its way to its limit. Raises LedgerExceeded
+        past a limit."""
         used, found, mapped = outcome.used, outcome.found, outcome.mapped
         given, passed, taken = (np.ones(len(loads.force)) @ loads.force for loads in (found, mapped, used))
         self._impulse_fluid += given * window.length
@@ -121,6 +128,9 @@ class Ledger:
         head = f"{window.index},{window.t1!r},{len(outcome.changes)},{outcome.changes[-1]!r},"
         self._file.write(head + ",".join(map(repr, numbers)) + "\n")
         self._check(window)
+        share = (self._work + self._work_fluid) / (self._largest_work or 1.0)
+        self._warm = self._warm + 1 if abs(share) > _WARM * self._limits.energy else 0
+        return f"lag has made {share:+.0%} of the work at the interface" if self._warm == _WARM_FOR else ""
 
     def _check(self, window: Window) -> None:
         """Energy and impulse count once they stay past their limits; force lost by the map counts at once."""

@@ -190,7 +190,7 @@ def march(
                 outcome = take(c, window)
                 row = probes(c)
                 record.at(window.t1, row)
-                ledger.record(window, outcome)
+                take.heed(window, ledger.record(window, outcome))
                 told.add(window, outcome)
                 counts["iterations"] += len(outcome.changes)
                 counts["most"] = max(counts["most"], len(outcome.changes))

@@ -32,8 +32,8 @@ class Coupling(Table):
     scheme: Literal["auto", "serial-explicit", "parallel-explicit", "serial-implicit", "parallel-implicit"] = key(
         "auto",
         about=(
-            "auto: serial, explicit while the measured response of the load to itself is small, then implicit with "
-            "aitken, then with iqn-ils; the reasons are in the coupler's log and in result.json"
+            "auto: serial, explicit while the measured response of the load to itself is small and the ledger's energy "
+            "keeps below half its limit, then implicit with aitken, then with iqn-ils; the reasons are in the coupler's log and in result.json"
         ),
     )
     window: Positive | Literal["auto"] = key(

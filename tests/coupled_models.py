@@ -63,7 +63,7 @@ def march(c: Coupled, take, clock: Clock, windows: int, along=(1.0, 0.0), ledger
     for window in map(clock.window, range(windows)):
         outcomes.append(take(c, window))
         if ledger is not None:
-            ledger.record(window, outcomes[-1])
+            take.heed(window, ledger.record(window, outcomes[-1]))
         places.append(c.points.position)
         times.append(window.t1)
     moved = (np.array(places) - places[0]).mean(axis=1) @ np.array(along)

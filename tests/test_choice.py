@@ -98,6 +98,19 @@ def test_the_ledger_stops_a_pumped_column_and_names_the_way_out(tmp_path):
     couple(scene, 150, ledger=Ledger(tmp_path / "free.csv", Limits(energy=1e9, impulse=1e9)))
 
 
+def test_the_ledgers_warning_ends_lagged_exchange(tmp_path, monkeypatch):
+    """Such a column under `auto`, which overlooks its response: warned of the energy made, it iterates in time."""
+    monkeypatch.setattr("coupler.choice.is_measured", lambda index: False)
+    limits = Limits(energy=0.3)
+    scene = piston(window=1e-3)
+    clock, plan = Clock.fitting(scene.end_time, 1e-3), Plan("serial-explicit", "aitken", 1e-3)
+    c = join(make_fluid(scene, True, 1), make_solid(scene, True, 1), clock, 0)
+    ledger = Ledger(tmp_path / "ledger.csv", limits)
+    march(c, Auto(plan, Coupling()), clock, clock.count, ledger=ledger)
+    assert "of the work at the interface" in plan.reasons[0]
+    assert abs(ledger.summary()["work_error"]) < limits.energy
+
+
 def test_the_ledger_leaves_an_iterated_column_alone(tmp_path):
     ledger = Ledger(tmp_path / "ledger.csv", Limits(energy=1e-3, impulse=1e-3))
     couple(piston(["end_time=0.5"], window=2e-3, scheme="serial-implicit"), ledger=ledger)
