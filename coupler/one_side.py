@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import signal
 import subprocess
 import sys
 import tempfile
@@ -21,7 +22,7 @@ def run_one_side(scene: Scene, case: str, out: Path | None, threads: dict[str, i
         command = [sys.executable, "-m", PACKAGES[side], "run", str(path), "--threads", str(threads[side])]
         command += ["--out", str(out)] if out is not None else []
         command += ["--quiet"] if quiet else []
-        return subprocess.run(command, check=False).returncode
+        return _ended(command)
 
 
 def resume_one_side(run_dir: Path, side: str, threads: str, quiet: bool) -> int:
@@ -29,4 +30,14 @@ def resume_one_side(run_dir: Path, side: str, threads: str, quiet: bool) -> int:
     command = [sys.executable, "-m", PACKAGES[side], "resume", str(run_dir)]
     command += ["--threads", threads.removeprefix(f"{side}=")] if threads else []
     command += ["--quiet"] if quiet else []
-    return subprocess.run(command, check=False).returncode
+    return _ended(command)
+
+
+def _ended(command: list[str]) -> int:
+    """Run a solver to its end; its exit code. Requests to stop reach this process alone, which passes them on."""
+    solver = subprocess.Popen(command, start_new_session=True)
+    while True:
+        try:
+            return solver.wait()
+        except KeyboardInterrupt:
+            solver.send_signal(signal.SIGINT)

@@ -28,6 +28,7 @@ from shared.record import Record
 from shared.results import new_run_directory
 from shared.schema import Scene
 from shared.sides import probe_rows
+from shared.stopping import stopping_between_windows
 from shared.warm import fill_cache
 
 log = logging.getLogger("shearwater")
@@ -175,18 +176,19 @@ def march(
     checkpoints = Checkpoints(record.run_dir, scene.output.checkpoint_every, last)
     memory = {"coupled": c, "taker": take, "ledger": ledger}
     try:
-        with recording(record.run_dir, scene.output.exchange, last) as told:
+        with recording(record.run_dir, scene.output.exchange, last) as told, stopping_between_windows() as stop:
             if last is None:
                 told.begin(c, clock, **outputs(scene, clock))
             else:
                 counts |= recall(memory, plan, last)
             before = counts["marched_s"]
             for window in map(clock.window, range(first, clock.count)):
-                if checkpoints.due():
+                if checkpoints.due(stop.asked):
                     ledger.flush()
                     told.flush()
                     counts["marched_s"] = before + time.perf_counter() - begun
                     remember(memory, plan, checkpoints, window, record.notes() | {"counts": counts})
+                stop.here()
                 outcome = take(c, window)
                 row = probes(c)
                 record.at(window.t1, row)

@@ -104,9 +104,9 @@ class Checkpoints:
             if folder.name > last.folder.name:
                 shutil.rmtree(folder)
 
-    def due(self) -> bool:
-        """Whether it is time for another."""
-        return self._every > 0.0 and time.monotonic() - self._last >= self._every
+    def due(self, last: bool = False) -> bool:
+        """Whether it is time for another; `last`: the run stops here."""
+        return self._every > 0.0 and (last or time.monotonic() - self._last >= self._every)
 
     def begin(self, window: int) -> Path:
         """A new folder for the parts of the checkpoint before window number `window`."""

@@ -17,6 +17,7 @@ from shared.record import Record
 from shared.scene import scene_warnings
 from shared.schema import Scene
 from shared.start import INTERRUPTED, on_stop_signals
+from shared.stopping import STOP
 
 Case = Annotated[str, typer.Argument(help="A scene file, or the name of a shipped case.", show_default=False)]
 Out = Annotated[Path | None, typer.Option(help="Run directory to make; default runs/CASE.", show_default=False)]
@@ -35,7 +36,7 @@ def new_app(about: str) -> typer.Typer:
 def run_app(app: typer.Typer) -> None:
     """Run the command line and exit: 0 finished, 2 bad input, 3 solver failed, 4 participant lost, 130 interrupted."""
     logging.getLogger("shearwater").addHandler(logging.NullHandler())
-    on_stop_signals(_interrupt)
+    on_stop_signals(STOP.ask)
     try:
         app()
         code = 0
@@ -50,10 +51,6 @@ def run_app(app: typer.Typer) -> None:
     if code == INTERRUPTED:
         _say("interrupted; what was computed is kept")
     sys.exit(code)
-
-
-def _interrupt(number: int, frame: object) -> None:
-    raise KeyboardInterrupt
 
 
 def _say(text: str) -> None:

@@ -18,6 +18,7 @@ from shared.results import new_run_directory
 from shared.schema import Scene
 from shared.service import Service
 from shared.sides import own_probes, probe_rows
+from shared.stopping import stopping_between_windows
 from shared.warm import fill_cache
 from shared.wire import BadMessage, Message, decode
 
@@ -120,13 +121,15 @@ def _march(
             record.at(0.0, probes)
         else:
             participant.load(last.part(side))
-        for window in map(clock.window, range(last.window if last else 0, clock.count)):
-            if checkpoints.due():
-                folder = checkpoints.begin(window.index)
-                participant.save(folder / f"{side}.h5")
-                checkpoints.seal(folder, window.index, window.t0, record.notes())
-            participant.advance(window, still)
-            record.at(window.t1, participant.accept())
+        with stopping_between_windows() as stop:
+            for window in map(clock.window, range(last.window if last else 0, clock.count)):
+                if checkpoints.due(stop.asked):
+                    folder = checkpoints.begin(window.index)
+                    participant.save(folder / f"{side}.h5")
+                    checkpoints.seal(folder, window.index, window.t0, record.notes())
+                stop.here()
+                participant.advance(window, still)
+                record.at(window.t1, participant.accept())
     finally:
         participant.close()
         cost = participant.finish()

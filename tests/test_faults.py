@@ -12,6 +12,7 @@ from pathlib import Path
 
 import pytest
 
+from shared.checkpoint import newest
 from shared.vtkhdf import read_frame
 from tests.scenes import tiny_coupled
 
@@ -58,11 +59,7 @@ def running(tmp_path):
     command = [sys.executable, "-m", "coupler", "run", str(tiny_coupled(tmp_path, end_time=60.0)), "--out", str(out)]
     command += ["--threads", "fluid=1,solid=1", "--set", "output.frames=10000", "--set", "output.probe_interval=0.005"]
     process = subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
-    probes, deadline = out / "probes.csv", time.monotonic() + START_WITHIN_S
-    while not (probes.exists() and probes.read_text().count("\n") > 5):
-        assert process.poll() is None, process.communicate()[1]
-        assert time.monotonic() < deadline, "the run did not start"
-        time.sleep(0.2)
+    wait_for_rows(process, out)
     solvers = children(process.pid)
     assert set(solvers) == {"fluid_solver", "solid_solver"}
     yield process, solvers, out
@@ -70,6 +67,15 @@ def running(tmp_path):
         if not gone(pid):
             os.kill(pid, signal.SIGKILL)
     process.communicate()
+
+
+def wait_for_rows(process, out: Path) -> None:
+    """Until the run has written a few rows of probes."""
+    probes, deadline = out / "probes.csv", time.monotonic() + START_WITHIN_S
+    while not (probes.exists() and probes.read_text().count("\n") > 5):
+        assert process.poll() is None, process.communicate()[1]
+        assert time.monotonic() < deadline, "the run did not start"
+        time.sleep(0.2)
 
 
 def ended(process) -> tuple[int, str]:
@@ -110,7 +116,27 @@ def test_interrupted_run(running):
     assert result["status"] == "interrupted"
     assert result["t_end"] > 0.0
     assert result["probes"]["mid_y"]["final"] is not None
+    assert newest(out).time == result["t_end"]  # nothing is lost to one that goes on
     assert all_gone(solvers.values(), within=10.0)
+
+
+@pytest.mark.parametrize("words", ["fluid_solver run dam_break", "coupler run udl_beam --models auto --force"])
+def test_an_interrupted_side_alone_keeps_all_it_has(tmp_path, words):
+    out = tmp_path / "run"
+    command = [sys.executable, "-m", *words.split(), "--out", str(out), "--set", "end_time=600"]
+    command += ["--set", "references=[]", "--set", "output.probe_interval=0.01"]
+    process = subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
+    try:
+        wait_for_rows(process, out)
+        process.send_signal(signal.SIGINT)
+        code, errors = ended(process)
+    finally:
+        process.kill()
+    assert code == 130
+    assert "stopping after this window" in errors
+    result = json.loads((out / "result.json").read_text())
+    assert result["status"] == "interrupted"
+    assert newest(out).time == result["t_end"] > 0.0
 
 
 def test_killed_coupler_leaves_no_solver(running):
