@@ -113,12 +113,14 @@ def count_cells(key, count, spans, start, order):
     for task in numba.prange(SORTS):
         lo, hi = first[task], first[task + 1]
         start[lo + 1 : hi + 1] = 0
+        found = 0
         for block in range(blocks):
             if spans[block, 0] < hi and spans[block, 1] >= lo:
                 for i in range(block * BLOCK, min(block * BLOCK + BLOCK, count)):
                     if lo <= key[i] < hi:
                         start[key[i] + 1] += 1
-        total[task + 1] = np.sum(start[lo + 1 : hi + 1])
+                        found += 1
+        total[task + 1] = found
     for task in range(SORTS):
         total[task + 1] += total[task]
     start[0] = 0
@@ -152,6 +154,16 @@ def permute(S, rows, kind, ids, order, count, S2, kind2, ids2):
         for k in range(lo, hi):
             kind2[k] = kind[order[k]]
             ids2[k] = ids[order[k]]
+
+
+@parallel_njit
+def pick(S, rows, ids, first, last, out):
+    """out[k, id − first] = S[rows[k]] of the particles with ids in [first, last)."""
+    for block in numba.prange((ids.size + BLOCK - 1) // BLOCK):
+        for i in range(block * BLOCK, min(block * BLOCK + BLOCK, ids.size)):
+            if first <= ids[i] < last:
+                for k in range(rows.size):
+                    out[k, ids[i] - first] = S[rows[k], i]
 
 
 @inline_njit
@@ -202,6 +214,8 @@ def share_cells(start, grid, edges):
         while task < tasks and start[2 * (row * grid.columns + first)] * tasks >= total * task:
             edges[task] = segment
             task += 1
+        if start[2 * (row * grid.columns + first)] == start[2 * (row * grid.columns + last)]:
+            continue
         most = max(most, candidates(start, grid, row, first, last))
     for k in range(task, tasks + 1):
         edges[k] = segments

@@ -42,6 +42,8 @@ def with_targets(start, grid, segment, kind):
     """
     row, first, last = segment_columns(grid, segment)
     of_row = row * grid.columns
+    if start[2 * (of_row + first)] == start[2 * (of_row + last)]:
+        return row, first, first
     while first < last and start[2 * (of_row + first) + kind] == start[2 * (of_row + first) + kind + 1]:
         first += 1
     while first < last and start[2 * (of_row + last - 1) + kind] == start[2 * (of_row + last - 1) + kind + 1]:

@@ -17,6 +17,7 @@ from fluid_solver.cells import (
     find_cells,
     park_and_bound,
     permute,
+    pick,
     share_cells,
     wrap,
 )
@@ -141,9 +142,8 @@ class Store:
 
     def in_order_of_ids(self, rows, first: int, last: int) -> np.ndarray:
         """Rows of the state, (len(rows), last − first), of the particles with ids in [first, last), by id."""
-        chosen = (self.ids >= first) & (self.ids < last)
         out = np.empty((len(rows), last - first))
-        out[:, self.ids[chosen] - first] = self.S[np.ix_(rows, np.flatnonzero(chosen))]
+        pick(self.S, np.array(rows), self.ids, first, last, out)
         return out
 
     def state(self) -> dict[str, np.ndarray]:
