@@ -48,24 +48,25 @@ class Upward(Table):
 class Criterion(Table):
     """What makes a run bad: its measure past `limit`. A run that ends by a diagnosis is bad in any case.
 
-    growth: of the probe's amplitude per row of probes at the run's end, the probe going as its square; swell: the same
-    from the first row to the largest after a quarter of the run, for runs whose noise or limits hide the rate;
-    iterations: of a window, in the mean; rise: largest rise of the probe above an earlier value of its own, over its
-    largest size; deviation: of the probe's statistic from `value`, relative.
+    growth: of the probe's amplitude per row of probes, the probe going as its square: at the run's end, or up to
+    where it saturated; iterations: of a window, in the mean; rise: largest rise of the probe above an earlier value of
+    its own, over its largest size; deviation: of the probe's statistic from `value`, or from what it is in the run at
+    y = `reference`, relative.
     """
 
-    measure: Literal["growth", "swell", "iterations", "rise", "deviation"] = key(about="what is looked at")
+    measure: Literal["growth", "iterations", "rise", "deviation"] = key(about="what is looked at")
     limit: float = key(0.0, about="largest measure of a good run")
     probe: Name | None = key(None, about="probe that is looked at; not of iterations")
     statistic: str = key("mean", about="statistic of the probe, of deviation")
     value: float | None = key(None, about="what the statistic should be, of deviation")
+    reference: Positive | None = key(None, about="y of the run whose statistic it should be, of deviation")
 
     @model_validator(mode="after")
     def _complete(self):
         if (self.probe is None) != (self.measure == "iterations"):
             raise ValueError("a probe belongs to every measure but iterations")
-        if (self.value is None) != (self.measure != "deviation"):
-            raise ValueError("value belongs to the measure deviation")
+        if ((self.value is None) == (self.reference is None)) == (self.measure == "deviation"):
+            raise ValueError("either value or reference belongs to the measure deviation, neither to others")
         return self
 
 
@@ -84,6 +85,8 @@ class StabilityMap(Table):
     case: str = key(about="scene file, or name of a shipped case")
     criterion: Criterion = key(about="what is looked for")
     theory: str | None = key(None, about="boundary drawn over the runs: " + ", ".join(THEORIES))
+    agreement: Positive | None = key(None, about="how near theory's boundary that of the runs should lie, relative")
+    rule: str | None = key(None, about="rule of pre-flight: drawn is where along y it begins to warn")
     sets: list[str] = key([], about="changes of the scene in all runs, as after --set")
     x: Across = key(about="the axis along")
     y: Upward = key(about="the axis on which the boundary is sought")

@@ -20,7 +20,7 @@ from coupler.schemes import probes
 from coupler.stability_map import Criterion, Method, StabilityMap
 from coupler.window import make_plan, mass_ratio
 from shared.clock import Clock
-from shared.contract import Kinematics, ShearwaterError
+from shared.contract import BadInput, Kinematics, ShearwaterError
 from shared.participant import Participant
 from shared.scene import load_scene
 from shared.schema import Scene
@@ -62,14 +62,34 @@ def cell_scene(stability: StabilityMap, method: Method, x: float, y: float) -> S
 
 def measure(scene: Scene, criterion: Criterion) -> float:
     """The criterion's measure of a run of `scene`; infinite for a run that ended by a diagnosis."""
-    watched = Watched()
-    both = scene.fluid is not None and scene.solid is not None
     try:
-        with _unheard():
-            (_run_coupled if both else _run_alone)(scene, watched)
+        watched = _watch(scene)
     except ShearwaterError:
         return FAILED
     return _MEASURES[criterion.measure](watched, criterion, scene)
+
+
+def with_reference(criterion: Criterion, cell: Callable[[float], Scene]) -> Criterion:
+    """The criterion with the value that its reference's run gives, where it has one; `cell`: the scene of a y."""
+    if criterion.reference is None:
+        return criterion
+    scene = cell(criterion.reference)
+    value = _statistic(_watch(scene), criterion, scene)
+    if value is None:
+        raise BadInput(
+            f"criterion.reference = {criterion.reference:g}: the run of {scene.title!r} ends at {scene.end_time:g} s, "
+            f"before its average begins at output.average_from = {scene.output.average_from:g} s: make the run longer."
+        )
+    return criterion.model_copy(update={"value": value, "reference": None})
+
+
+def _watch(scene: Scene) -> Watched:
+    """What comes of a run of `scene`. Raises ShearwaterError where it ends by a diagnosis."""
+    watched = Watched()
+    both = scene.fluid is not None and scene.solid is not None
+    with _unheard():
+        (_run_coupled if both else _run_alone)(scene, watched)
+    return watched
 
 
 def _run_coupled(scene: Scene, watched: Watched) -> None:
@@ -120,22 +140,19 @@ def _unheard() -> Iterator[None]:
 # ---- measures --------------------------------------------------------------------------------------------------------
 
 
-def rate_of(values: Sequence[float]) -> float:
-    """Growth per row of the amplitude in `values`, which go as its square: last quarter against the one before."""
+def growth_of(values: Sequence[float]) -> float:
+    """Growth per row of the amplitude in `values`, which go as its square: of the last quarter over the one before.
+
+    Where it has come to its end, and the last three quarters hold more than the first value, the mean until then if
+    that is more.
+    """
     quarter = len(values) // 4
     before, after = np.max(values[2 * quarter : 3 * quarter]), np.max(values[3 * quarter : 4 * quarter])
-    if not math.isfinite(after):
+    largest = np.max(values[quarter:])
+    if not math.isfinite(largest):
         return FAILED
-    if after <= _ROUNDING * np.max(values):
-        return DIED_OUT
-    return 0.5 * math.log(after / before) / quarter
-
-
-def swell_of(values: Sequence[float]) -> float:
-    """Growth per row of the amplitude in `values`, which go as its square: from the first to the largest of the last
-    three quarters."""
-    largest = np.max(values[len(values) // 4 :])
-    return 0.5 * math.log(largest / values[0]) / len(values) if math.isfinite(largest) else FAILED
+    rate = 0.5 * math.log(after / before) / quarter if after > _ROUNDING * np.max(values) else DIED_OUT
+    return max(rate, 0.5 * math.log(largest / values[0]) / len(values)) if largest > values[0] else rate
 
 
 def rise_of(values: np.ndarray) -> float:
@@ -144,11 +161,7 @@ def rise_of(values: np.ndarray) -> float:
 
 
 def _growth(watched: Watched, criterion: Criterion, scene: Scene) -> float:
-    return rate_of(watched.history(criterion.probe)[1])
-
-
-def _swell(watched: Watched, criterion: Criterion, scene: Scene) -> float:
-    return swell_of(watched.history(criterion.probe)[1])
+    return growth_of(watched.history(criterion.probe)[1])
 
 
 def _iterations(watched: Watched, criterion: Criterion, scene: Scene) -> float:
@@ -160,14 +173,17 @@ def _rise(watched: Watched, criterion: Criterion, scene: Scene) -> float:
 
 
 def _deviation(watched: Watched, criterion: Criterion, scene: Scene) -> float:
-    between = (scene.output.average_from, watched.times[-1]) if criterion.statistic == "mean" else None
-    found = statistic(criterion.statistic, *watched.history(criterion.probe), between)
+    found = _statistic(watched, criterion, scene)
     return FAILED if found is None else abs(relative_error(found, criterion.value))
+
+
+def _statistic(watched: Watched, criterion: Criterion, scene: Scene) -> float | None:
+    between = (scene.output.average_from, watched.times[-1]) if criterion.statistic == "mean" else None
+    return statistic(criterion.statistic, *watched.history(criterion.probe), between)
 
 
 _MEASURES: dict[str, Callable[[Watched, Criterion, Scene], float]] = {
     "growth": _growth,
-    "swell": _swell,
     "iterations": _iterations,
     "rise": _rise,
     "deviation": _deviation,

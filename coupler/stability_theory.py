@@ -23,6 +23,7 @@ from collections.abc import Callable
 import numpy as np
 from numpy.polynomial import Polynomial
 
+from coupler.stability_lattice import largest_courant
 from shared.kernels import kernel_named
 from shared.schema import Scene
 
@@ -104,10 +105,17 @@ def one_support(scene: Scene, x: float) -> float:
     return kernel_named(scene.fluid.kernel).support * scene.fluid.h_over_dx
 
 
+def lattice_waves(scene: Scene, x: float) -> float:
+    """Largest Courant number of sound on a lattice of particles."""
+    fluid = scene.fluid
+    return largest_courant(kernel_named(fluid.kernel), fluid.h_over_dx, fluid.alpha, fluid.model == "ctvf")
+
+
 THEORIES: dict[str, Callable[[Scene, float], float | None]] = {
     "lagged-column": lagged_column,
     "lagged-silent": lagged_silent,
     "lagged-incompressible": lagged_incompressible,
     "relaxation": relaxation,
     "one-support": one_support,
+    "lattice-waves": lattice_waves,
 }

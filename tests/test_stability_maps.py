@@ -8,11 +8,13 @@ import math
 import numpy as np
 import pytest
 
-from coupler.stability import find_boundaries, write_map
+from coupler.stability import Boundary, agreement, find_boundaries, write_map
+from coupler.stability_lattice import largest_courant, wave_numbers
 from coupler.stability_map import load_map, shipped_maps
-from coupler.stability_runs import DIED_OUT, boundary, cell_scene, measure, rate_of, rise_of, swell_of
+from coupler.stability_runs import DIED_OUT, boundary, cell_scene, growth_of, measure, rise_of
 from coupler.stability_theory import THEORIES, acoustic, growth, incompressible, lagged_column, largest_stable
 from shared.contract import BadInput
+from shared.kernels import kernel_named
 
 LIMITS = {
     ("absorbing", "serial"): (2.0, 2.0 / math.sqrt(3.0), 0.709),
@@ -81,18 +83,23 @@ def test_a_boundary_is_found_to_its_tolerance_and_its_absence_too():
 
 
 @pytest.mark.parametrize("rate", [-0.02, 0.03])
-def test_rate_of_a_swing(rate):
+def test_growth_of_a_swing(rate):
     windows = np.arange(400)
-    assert rate_of(np.exp(2.0 * rate * windows) * np.cos(1.3 * windows) ** 2) == pytest.approx(rate, abs=1e-3)
+    assert growth_of(np.exp(2.0 * rate * windows) * np.cos(1.3 * windows) ** 2) == pytest.approx(rate, abs=1e-3)
 
 
 def test_a_swing_that_died_out_does_not_grow():
-    assert rate_of([1.0, *([1e-30, 3e-30] * 200)]) == DIED_OUT
+    assert growth_of([1.0, *([1e-30, 3e-30] * 200)]) == DIED_OUT
 
 
-def test_a_swing_that_saturates_has_swollen_and_one_that_sinks_into_noise_has_not():
-    assert swell_of([1.0, 0.1, 10.0, 1000.0, *[500.0] * 96]) == pytest.approx(0.5 * math.log(500.0) / 100)
-    assert swell_of([1.0, *[1e-6, 2e-6] * 50]) < 0.0
+def test_a_mode_that_grows_out_of_one_that_dies_is_seen_before_it_is_larger_than_the_start():
+    windows = np.arange(80)
+    assert growth_of((np.exp(-0.2 * windows) + 1e-2 * np.exp(0.02 * windows)) ** 2) == pytest.approx(0.02, abs=5e-3)
+
+
+def test_a_swing_that_saturates_has_grown_and_one_that_sinks_into_noise_has_not():
+    assert growth_of([1.0, 0.1, 10.0, 1000.0, *[500.0] * 96]) == pytest.approx(0.5 * math.log(500.0) / 100)
+    assert growth_of([1.0, *np.exp(-0.2 * np.arange(60)), *[4e-6, 5e-6] * 20]) < 0.0
 
 
 def test_rise_is_above_an_earlier_value_and_not_over_the_start():
@@ -108,6 +115,35 @@ def test_shipped_maps_hold_valid_cells(name):
         cells = [cell_scene(given, method, x, y) for x in (given.x.values[0], given.x.values[-1]) for y in ends]
         theory = given.theory_of(method)
         assert theory is None or THEORIES[theory](cells[0], given.x.values[0]) > 0.0
+
+
+def test_agreement_names_the_boundary_that_is_farthest_off_and_one_that_is_missing():
+    given = load_map("lagged_column")
+    near, far = (Boundary("order 0", 0.1, found, 20.0, None, ()) for found in (20.5, 17.0))
+    assert agreement(given, [near])[0].endswith("within 5 %: met, 1 boundaries")
+    assert "order 0" in agreement(given, [near, far])[0]
+    assert "17, -15.0 % of 20; within 5 %: not met" in agreement(given, [near, far])[0]
+    missing = Boundary("order 1", 0.1, None, 20.0, None, ())
+    assert "nowhere on the axis of 20; within 5 %: not met" in agreement(given, [near, missing])[0]
+    assert agreement(given, [Boundary("order 1", 0.1, None, 2000.0, None, ())]) == []
+
+
+def test_waves_of_a_lattice_are_those_of_water_where_they_are_long():
+    D, L, N = wave_numbers(kernel_named("wendland-c2"), 1.3)
+    k = math.pi / 48.0
+    along_x = 49  # the first wave along x; waves are numbered with y running first
+    assert D[along_x] == pytest.approx(k, rel=0.01)
+    assert L[along_x] == pytest.approx(k**2, rel=0.01)
+    assert N[along_x] == pytest.approx(3.0 / 8.0 * k**2, rel=0.05)  # Π of a compression: 3/8 α h c
+
+
+@pytest.mark.parametrize("kernel", ["wendland-c2", "quintic-spline"])
+def test_the_largest_step_falls_with_what_is_dissipated(kernel):
+    pure, viscous, edac = (largest_courant(kernel_named(kernel), 1.3, *how) for how in ((0, 0), (0.5, 0), (0, 1)))
+    D = wave_numbers(kernel_named(kernel), 1.3)[0].max()
+    assert pure == pytest.approx(2.0 / (1.3 * D), rel=1e-6)  # leapfrog: c Δt |D| = 2
+    assert viscous < 0.95 * pure
+    assert edac < 0.95 * pure
 
 
 def test_runs_grow_past_the_boundary_and_not_before():
@@ -135,7 +171,8 @@ def test_a_map_from_runs_lies_on_theory(tmp_path):
     small = given.model_copy(update={"x": given.x.model_copy(update={"values": [0.4, 1.0]})})
     found = find_boundaries(small, print)
     paths = write_map(small, found, tmp_path)
-    assert all(abs(b.difference) < 0.05 for b in found)
+    assert all(abs(b.ratio - 1.0) < 0.05 for b in found)
+    assert agreement(small, found)[0].endswith(f"within 5 %: met, {2 * len(given.methods)} boundaries")
     with paths[0].open() as file:
         assert len(list(csv.DictReader(file))) == len(given.methods) * 2
     assert paths[2].stat().st_size > 10_000
