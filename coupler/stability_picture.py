@@ -8,7 +8,8 @@ import re
 from pathlib import Path
 
 import numpy as np
-from matplotlib.colors import LogNorm, Normalize
+from matplotlib import colormaps
+from matplotlib.colors import ListedColormap, LogNorm, Normalize
 from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter, NullLocator
 
 from shared.drawing import FONT_PT, INK, axes_at, new_figure, save
@@ -19,8 +20,12 @@ _ROW_GAP_IN = 0.1
 _TICK_IN = 0.3  # room that a number under the axis takes
 _MOST_COLUMNS = 3
 _GROWTH_SHOWN = (0.03, 0.3)  # per row of probes: colours end between these, where nine of ten runs are inside
-_FAINT = 0.75  # opacity of the colours, under lines and points
-_TICKS = ((4.0, (1.0, 1.2, 1.4, 1.6, 1.8, 2.0, 2.5, 3.0, 4.0, 5.0, 6.0, 8.0)), (100.0, (1.0, 2.0, 5.0)))
+_PALE = 0.25  # of white in the colours, under lines and points
+_TICKS = (
+    (4.0, (1.0, 1.2, 1.4, 1.6, 1.8, 2.0, 2.5, 3.0, 4.0, 5.0, 6.0, 8.0)),
+    (10.0, (1.0, 1.5, 2.0, 3.0, 4.0, 6.0)),
+    (100.0, (1.0, 2.0, 5.0)),
+)
 """Numbers within a decade that get a tick, where the axis ends below so many times its start; else powers of ten."""
 _NAMES = {
     "growth": "growth per window",
@@ -39,6 +44,7 @@ def draw_map(stability, found, path: Path) -> Path:
     height = _BOTTOM_IN + rows * (step + _ROW_GAP_IN) + _TOP_IN - _GAP_IN - _ROW_GAP_IN
     figure = new_figure(_LEFT_IN + columns * step + _BAR_IN, height)
     colours, scaled, label = _colours(stability.criterion, found)
+    ends = {"growth": "both", "iterations": "neither"}.get(stability.criterion.measure, "max")
     handles = {}
     for k, method in enumerate(stability.methods):
         row, column = divmod(k, columns)
@@ -50,7 +56,7 @@ def draw_map(stability, found, path: Path) -> Path:
         axes.set_title(method.name, loc="left", fontsize=FONT_PT - 0.5, color=INK, pad=3)
         handles |= dict(zip(*axes.get_legend_handles_labels()[::-1], strict=True))
     bar = axes_at(figure, _LEFT_IN + columns * step + 0.05, _BOTTOM_IN, 0.12, min(rows, 2) * _PANEL_IN)
-    figure.colorbar(shown, cax=bar).set_label(label, fontsize=FONT_PT - 1, color=INK)
+    figure.colorbar(shown, cax=bar, extend=ends).set_label(label, fontsize=FONT_PT - 1, color=INK)
     bar.tick_params(labelsize=FONT_PT - 1)
     figure.legend(
         handles.values(), handles.keys(),
@@ -81,9 +87,8 @@ def _cells(axes, own, colours, scaled):
         y, value = np.array(b.tried).T
         levels = _half_way(y, axes.get_ylim())
         shown = axes.pcolormesh(
-            [left, right], levels, scaled(value)[:, None], norm=norm, cmap=name, alpha=_FAINT, zorder=1
+            [left, right], levels, scaled(value)[:, None], norm=norm, cmap=_pale(name), linewidth=0, zorder=1
         )
-        shown.set_edgecolor("face")
         axes.plot(np.full(len(y), b.x), y, ".", color="0.35", markersize=1.5, zorder=2, label="run")
         ended = y[np.isposinf(value)]
         if len(ended):
@@ -92,6 +97,11 @@ def _cells(axes, own, colours, scaled):
                 label="run ended by its diagnosis",
             )  # fmt: skip
     return shown
+
+
+def _pale(name: str) -> ListedColormap:
+    """A map of colours with some white in it."""
+    return ListedColormap(_PALE + (1.0 - _PALE) * colormaps[name](np.linspace(0.0, 1.0, 256)))
 
 
 def _half_way(values: np.ndarray, limits: tuple[float, float]) -> np.ndarray:
