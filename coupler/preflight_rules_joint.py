@@ -13,7 +13,8 @@ from shared.schema_solid import PARTICLE_MODELS
 HELMHOLTZ_WARN, HELMHOLTZ_REFUSE = 0.8, math.pi / 2.0  # half and all of a quarter wave, where a column resonates
 MASS_RATIO_WARN = 50.0  # the heaviest water that was run explicitly over its plate: hydrostatic_plate, 15
 ALPHA_WARN = 0.08  # see coupler/window.py: 0.07 decays and 0.14 grows on a reflecting column
-ALPHA_REFUSE = (2.0, 1.155, 0.709)  # limits of the serial protocol on an absorbing column, by predictor order
+ALPHA_REFUSE = {"serial": (2.0, 1.155, 0.709), "parallel": (0.667, 0.252, 0.078)}
+"""Limits on an absorbing column, by predictor order: coupler/stability_theory.py."""
 SUPPORT_WARN, SUPPORT_REFUSE = 1.0, 0.5  # thickness over support: water sees water through the plate below 1
 GHOST_INERTIA_WARN = 0.5  # ρ_f dx/(ρ_s t); water_tube bears 0.13, light_gate with 3.3 must leave the term out
 STEP_RATIO_WARN = 5000.0  # sub-steps of the solid per fluid step; hydrostatic_plate has 170
@@ -72,9 +73,11 @@ def window_number(scene: Scene, n: Numbers) -> Finding | None:
     asked = scene.coupling.scheme if scene.coupling.window != "auto" else expected_plan(scene, n).scheme
     if asked.endswith("implicit"):
         return Finding("window α", value, "ok", f"{reason}, iterated")
-    verdict = above(value, ALPHA_WARN * (1.0 + 1e-9), ALPHA_REFUSE[scene.coupling.predictor])
-    way_out = "" if verdict == "ok" else f"coupling.window = {window * ALPHA_WARN / value:.3g} or auto"
-    return Finding("window α", value, verdict, f"{reason}, limit {ALPHA_REFUSE[scene.coupling.predictor]:g}", way_out)
+    limit = ALPHA_REFUSE["parallel" if asked.startswith("parallel") else "serial"][scene.coupling.predictor]
+    most = min(ALPHA_WARN, 0.9 * limit)
+    verdict = above(value, most * (1.0 + 1e-9), limit)
+    way_out = "" if verdict == "ok" else f"coupling.window = {window * most / value:.3g} or auto"
+    return Finding("window α", value, verdict, f"{reason}, limit {limit:g}", way_out)
 
 
 def support(scene: Scene, n: Numbers) -> Finding | None:

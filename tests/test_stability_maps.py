@@ -8,6 +8,9 @@ import math
 import numpy as np
 import pytest
 
+from coupler.preflight_numbers import scene_numbers
+from coupler.preflight_rules import findings
+from coupler.preflight_rules_joint import ALPHA_REFUSE
 from coupler.stability import Boundary, agreement, find_boundaries, write_map
 from coupler.stability_lattice import largest_courant, wave_numbers
 from coupler.stability_map import load_map, shipped_maps
@@ -15,6 +18,7 @@ from coupler.stability_runs import DIED_OUT, boundary, cell_scene, growth_of, me
 from coupler.stability_theory import THEORIES, acoustic, growth, incompressible, lagged_column, largest_stable
 from shared.contract import BadInput
 from shared.kernels import kernel_named
+from shared.scene import load_scene
 
 LIMITS = {
     ("absorbing", "serial"): (2.0, 2.0 / math.sqrt(3.0), 0.709),
@@ -30,6 +34,16 @@ def test_limits_of_both_protocols(kind, scheme, order):
     polynomial = {"absorbing": acoustic, "incompressible": incompressible}[kind]
     found = largest_stable(lambda ratio: polynomial(ratio, order, scheme=scheme), 4.0)
     assert found == pytest.approx(LIMITS[kind, scheme][order], rel=2e-3)
+
+
+def test_preflight_refuses_windows_from_where_no_water_damps_enough():
+    for scheme, limits in ALPHA_REFUSE.items():
+        assert limits == pytest.approx(LIMITS["absorbing", scheme], rel=6e-3)
+    for scheme, verdict in (("serial-explicit", "warn"), ("parallel-explicit", "refuse")):
+        scene = load_scene(
+            "hydrostatic_plate", ["coupling.window=1e-3", "coupling.predictor=2", f"coupling.scheme={scheme}"]
+        )
+        assert next(f for f in findings(scene, scene_numbers(scene)) if f.rule == "window α").verdict == verdict
 
 
 def simulate(alpha, order, reflection, k, windows, parallel):
