@@ -40,28 +40,24 @@ class Grid(NamedTuple):
 
 
 @parallel_njit
-def park_and_bound(S, kind, count, domain, boxes):
+def park_and_bound(S, kind, count, domain, found):
     """Mark fluid that is outside `domain` (x0, y0, x1, y1), or nowhere, as parked.
 
-    Returns how many were, and the bounding box (x0, y0, x1, y1) [m] of all that are not parked. `boxes` (blocks, 4).
+    Leaves per block in `found` (5, blocks): bounds x0, y0, −x1, −y1 [m] of what is not parked, and how many got parked.
     """
-    blocks = (count + BLOCK - 1) // BLOCK
-    parked = 0
-    for block in numba.prange(blocks):
+    for block in numba.prange((count + BLOCK - 1) // BLOCK):
         x0 = y0 = np.inf
         x1 = y1 = -np.inf
-        left = 0
+        parked = 0
         for i in range(block * BLOCK, min(block * BLOCK + BLOCK, count)):
             x, y = S[X, i], S[Y, i]
             if kind[i] == FLUID and not (domain[0] <= x <= domain[2] and domain[1] <= y <= domain[3]):
                 kind[i] = PARKED
-                left += 1
+                parked += 1
             if kind[i] != PARKED:
                 x0, x1, y0, y1 = min(x0, x), max(x1, x), min(y0, y), max(y1, y)
-        boxes[block, 0], boxes[block, 1], boxes[block, 2], boxes[block, 3] = x0, y0, x1, y1
-        parked += left
-    x0, y0 = np.min(boxes[:blocks, 0]), np.min(boxes[:blocks, 1])
-    return parked, x0, y0, np.max(boxes[:blocks, 2]), np.max(boxes[:blocks, 3])
+        found[0, block], found[1, block], found[2, block], found[3, block] = x0, y0, -x1, -y1
+        found[4, block] = parked
 
 
 @njit
@@ -112,7 +108,8 @@ def count_cells(key, count, spans, start, order):
     first[SORTS] = start.size - 1
     for task in numba.prange(SORTS):
         lo, hi = first[task], first[task + 1]
-        start[lo + 1 : hi + 1] = 0
+        for k in range(lo + 1, hi + 1):
+            start[k] = 0
         found = 0
         for block in range(blocks):
             if spans[block, 0] < hi and spans[block, 1] >= lo:

@@ -25,12 +25,11 @@ _NAMES = {X: "position", Y: "position", U: "velocity", V: "velocity", RHO: "dens
 
 
 @parallel_njit
-def suspicious(S, kind, count, rho0, compression, blocks):
-    """Whether any fluid particle has a value that is not finite, or is off in density; `blocks`: room for a number a
-    block."""
+def mark_suspicious(S, kind, count, rho0, compression, blocks):
+    """Leaves in `blocks` per block 1 if any fluid particle has a value that is not finite or is off in density, else
+    0."""
     n = S.shape[1]
-    used = (n + BLOCK - 1) // BLOCK
-    for block in prange(used):
+    for block in prange((n + BLOCK - 1) // BLOCK):
         found = 0.0
         for i in range(block * BLOCK, min(block * BLOCK + BLOCK, n)):
             if i >= count or kind[i] == FLUID:
@@ -38,7 +37,6 @@ def suspicious(S, kind, count, rho0, compression, blocks):
                 if not finite or not abs(S[RHO, i] / rho0 - 1.0) <= compression:
                     found = 1.0
         blocks[block] = found
-    return np.max(blocks[:used]) > 0.0
 
 
 @njit
@@ -84,7 +82,9 @@ def report_lost(store, reported: int) -> int:
 
 def check(store, c) -> None:
     """Raise SolverFailed, naming quantity, value and place, for a non-finite state or densities far off."""
-    if not suspicious(store.S, store.kind, store.count, c.rho0, LARGEST_COMPRESSION, store.speeds[0]):
+    blocks = store.speeds[0, : (store.S.shape[1] + BLOCK - 1) // BLOCK]
+    mark_suspicious(store.S, store.kind, store.count, c.rho0, LARGEST_COMPRESSION, blocks)
+    if not blocks.any():
         return
     i, row = first_bad(store.S, store.kind, store.count)
     if i >= 0:

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import math
-
 import numba
 import numpy as np
 
@@ -36,9 +34,8 @@ from shared.jit import parallel_njit
 
 @parallel_njit
 def kick_and_drift(S, kind, count, dt, speeds):
-    """u += a dt/2, then x += (u + δu) dt/2. Returns the largest |u| and the largest |u + δu| [m/s]."""
-    blocks = (count + BLOCK - 1) // BLOCK
-    for block in numba.prange(blocks):
+    """u += a dt/2, then x += (u + δu) dt/2. Per block the largest |u|² and |u + δu|² [m²/s²] into `speeds`."""
+    for block in numba.prange((count + BLOCK - 1) // BLOCK):
         u2 = w2 = 0.0
         for i in range(block * BLOCK, min(block * BLOCK + BLOCK, count)):
             if kind[i] == FLUID:
@@ -56,7 +53,6 @@ def kick_and_drift(S, kind, count, dt, speeds):
                 w2 = max(w2, tu * tu + tv * tv)
         speeds[0, block] = u2
         speeds[1, block] = w2
-    return math.sqrt(np.max(speeds[0, :blocks])), math.sqrt(np.max(speeds[1, :blocks]))
 
 
 @parallel_njit
@@ -123,9 +119,8 @@ def kick(S, kind, count, dt, shifting, R):
 
 @parallel_njit
 def largest(S, kind, count, speeds):
-    """Largest |u| [m/s] and |a| [m/s²] of the fluid."""
-    blocks = (count + BLOCK - 1) // BLOCK
-    for block in numba.prange(blocks):
+    """Per block the largest |u|² [m²/s²] and |a|² [m²/s⁴] of the fluid, into `speeds`."""
+    for block in numba.prange((count + BLOCK - 1) // BLOCK):
         u2 = a2 = 0.0
         for i in range(block * BLOCK, min(block * BLOCK + BLOCK, count)):
             if kind[i] == FLUID:
@@ -133,4 +128,9 @@ def largest(S, kind, count, speeds):
                 a2 = max(a2, S[AX, i] * S[AX, i] + S[AY, i] * S[AY, i])
         speeds[0, block] = u2
         speeds[1, block] = a2
-    return math.sqrt(np.max(speeds[0, :blocks])), math.sqrt(np.max(speeds[1, :blocks]))
+
+
+def largest_of(speeds, count):
+    """The two largest sizes of what was left per block in `speeds`, squared."""
+    first, second = np.sqrt(speeds[:, : (count + BLOCK - 1) // BLOCK].max(axis=1))
+    return float(first), float(second)

@@ -33,7 +33,7 @@ from fluid_solver.fields import (
 )
 from fluid_solver.forces import make_forces
 from fluid_solver.initial import fluid_particles, lay_ghosts, sound_speed
-from fluid_solver.integrate import advance_and_drift, keep_volume, kick, kick_and_drift, largest
+from fluid_solver.integrate import advance_and_drift, keep_volume, kick, kick_and_drift, largest, largest_of
 from fluid_solver.motion import GhostMotion, place_ghosts
 from fluid_solver.observe import Observer
 from fluid_solver.parameters import Parameters, courant_of, parameters
@@ -121,7 +121,8 @@ class ParticleFluid:
         self._place(0.0, 0.0, 1.0, motion, always=True)
         store = self.store
         store.sort(0.0)
-        self._speed = largest(store.S, store.kind, store.count, store.speeds)[0]
+        largest(store.S, store.kind, store.count, store.speeds)
+        self._speed, _ = largest_of(store.speeds, store.count)
         self._ghost_velocity(store.S, store.kind, store.ids, *store.cells(), self.c, self._first, self._motion.pose)
         self._accelerate()
         self._volume = self._enclosed_volume()
@@ -144,7 +145,8 @@ class ParticleFluid:
         """Least of the acoustic, viscous and force limits [s]."""
         store, c = self.store, self.c
         numba.set_num_threads(self._threads)
-        u, a = largest(store.S, store.kind, store.count, store.speeds)
+        largest(store.S, store.kind, store.count, store.speeds)
+        u, a = largest_of(store.speeds, store.count)
         return fluid_step(self._courant, c.h, c.c0 + u, c.nu, a)
 
     def advance(self, t0: float, t1: float, substeps: int, boundary: Kinematics | None) -> Loads:
@@ -166,7 +168,8 @@ class ParticleFluid:
         """One kick-drift-kick step of `dt` [s], at `since` after the start t0 of a window of `length`."""
         store, c = self.store, self.c
         # 1, 2  u_half = u + a dt/2;  x += (u_half + δu) dt/2;  walls and ghosts to the middle of the step
-        self._speed, drift = kick_and_drift(store.S, store.kind, store.count, dt, store.speeds)
+        kick_and_drift(store.S, store.kind, store.count, dt, store.speeds)
+        self._speed, drift = largest_of(store.speeds, store.count)
         self._place(t0, since + 0.5 * dt, length, boundary)
         # 3  cells, once particles have moved too far for the present ones
         reach = 0.5 * dt * max(drift, self._motion.speed(boundary))

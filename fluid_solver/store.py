@@ -52,7 +52,7 @@ class Store:
         self.S, self.kind, self.ids = _with_slack(S), kind.astype(np.int8), np.arange(n)
         self._spare = _with_slack(S), np.empty_like(self.kind), np.empty_like(self.ids)
         self._key, self._order = np.empty(n, dtype=np.int64), np.empty(n, dtype=np.int64)
-        self._boxes, self._spans = np.empty((n // BLOCK + 1, 4)), np.empty((n // BLOCK + 1, 2), dtype=np.int64)
+        self._found, self._spans = np.empty((5, n // BLOCK + 1)), np.empty((n // BLOCK + 1, 2), dtype=np.int64)
         self._cells = np.zeros(2, dtype=np.int64)
         self._support, self._domain, self._period = support, domain, period
         self.work = np.zeros((WORK_ROWS, n))
@@ -80,10 +80,12 @@ class Store:
         """Sort all particles by cell; takes those out of the domain out of all loops."""
         S, kind, count = self.S, self.kind, self.count
         wrap(S, count, self._period)
-        parked, *box = park_and_bound(S, kind, count, self._domain, self._boxes)
-        self.parked += parked
+        park_and_bound(S, kind, count, self._domain, self._found)
+        found = self._found[:, : (count + BLOCK - 1) // BLOCK]
+        self.parked += int(found[4].sum())
+        x0, y0, x1, y1 = found[:4].min(axis=1) * (1.0, 1.0, -1.0, -1.0)
         self._skin = max(_SKIN * self._support, 2.0 * ahead)
-        origin, inv_cell = self._lay_cells(np.array(box).reshape(2, 2).T)
+        origin, inv_cell = self._lay_cells(np.array([[x0, x1], [y0, y1]]))
         find_cells(S, kind, count, origin, inv_cell, self.grid, self._key, len(self.start) - 2, self._spans)
         count_cells(self._key, count, self._spans, self.start, self._order)
         S2, kind2, ids2 = self._spare
