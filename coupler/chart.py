@@ -14,7 +14,7 @@ from typing import Any
 
 import numpy as np
 
-from coupler.chart_runs import run_variants
+from coupler.chart_runs import run_variants, was_alone
 from coupler.chart_truth import find_truth, goal_value, spread
 from coupler.chart_variants import Variant, study_variants
 from coupler.preflight_cost import Cost, calibrate, predicted_cost
@@ -29,7 +29,8 @@ _LEAST_ERROR = 1e-6  # smaller ones are drawn here; no truth is known better
 @dataclass(frozen=True)
 class Point:
     """A variant as it came out. `error` and `cost` [core-s] are None where it failed, `error` also of the run that is
-    the truth; `bound`, `expected`: what pre-flight had said."""
+    the truth; `bound`, `expected`: what pre-flight had said; `alone`: nothing of the chart ran beside it, so that its
+    cost means something."""
 
     variant: Variant
     status: str
@@ -39,6 +40,7 @@ class Point:
     core_s: float | None
     bound: float | None
     expected: Cost
+    alone: bool
 
 
 @dataclass(frozen=True)
@@ -67,10 +69,17 @@ class Chart:
     spread: dict[str, float]
 
 
-def make_chart(case: str, sets: Sequence[str], folder: Path, jobs: int, say: Callable[[str], None]) -> Chart:
-    """Run what is missing of the study into `folder`/runs, and weigh it."""
+def make_chart(
+    case: str,
+    sets: Sequence[str],
+    folder: Path,
+    jobs: int,
+    say: Callable[[str], None],
+    scheduler: str | None = None,
+) -> Chart:
+    """Run what is missing of the study into `folder`/runs, here or on the cluster of `scheduler`, and weigh it."""
     variants = study_variants(case, sets)
-    results = run_variants(case, variants, folder / "runs", jobs, say)
+    results = run_variants(case, variants, folder / "runs", jobs, say, scheduler)
     values = [goal_value(v, r, folder / "runs" / v.folder) for v, r in zip(variants, results, strict=True)]
     scene = variants[0].scene
     name, truth, finest = find_truth(scene, variants, values)
@@ -142,4 +151,5 @@ def _point(variant: Variant, result: dict[str, Any], value: float | None, truth:
         core_s=result.get("cost", {}).get("core_s"),
         bound=bound if bound is not None and math.isfinite(bound) else None,
         expected=predicted_cost(variant.scene, numbers, slower),
+        alone=was_alone(result),
     )

@@ -17,6 +17,7 @@ COLUMNS = (
     "error",
     "stepping_core_s",
     "core_s",
+    "timed_alone",
     "front",
     "predicted_error_bound",
     "predicted_core_s",
@@ -39,7 +40,8 @@ def _row(chart: Chart, p: Point) -> list:
     cells = ["" if v is None else f"{v:.6g}" for v in (p.value, p.error, p.cost, p.core_s)]
     bound = "" if p.bound is None else f"{p.bound:.4g}"
     front = "yes" if p in chart.front else ""
-    return [p.variant.family, p.variant.label, p.status, *cells, front, bound, f"{p.expected.core_s:.4g}"]
+    alone = "yes" if p.alone else ""
+    return [p.variant.family, p.variant.label, p.status, *cells, alone, front, bound, f"{p.expected.core_s:.4g}"]
 
 
 def chart_page(chart: Chart, command: str) -> str:
@@ -64,7 +66,8 @@ def _table_line(chart: Chart, p: Point) -> str:
     family = f"**{p.variant.family}**" if p in chart.front else p.variant.family
     value = p.status if p.value is None else f"{p.value:.5g}"
     error, bound = ("–" if v is None else f"{100 * v:.2g} %" for v in (p.error, p.bound))
-    cost, core = ("–" if v is None else f"{v:.3g}" for v in (p.cost, p.core_s))
+    beside = "" if p.alone else "~"
+    cost, core = ("–" if v is None else f"{beside}{v:.3g}" for v in (p.cost, p.core_s))
     return f"| {family} | {p.variant.label} | {value} | {error} | {bound} | {cost} | {core} | {p.expected.core_s:.3g} |"
 
 
@@ -90,4 +93,11 @@ def summary(chart: Chart) -> list[str]:
     if chart.spread:
         low, high = min(chart.spread.values()), max(chart.spread.values())
         lines.append(f"- The other references lie {100 * low:+.2g} % to {100 * high:+.2g} % from this truth.")
+    beside = sum(not p.alone for p in chart.points)
+    if beside:
+        lines.append(
+            f"- Errors count, times do not: {beside} of {len(chart.points)} variants (~) ran side by side or on other "
+            "machines, so costs, slopes and the front are only a hint. For times, chart anew into an empty folder, one "
+            "variant at a time."
+        )
     return lines

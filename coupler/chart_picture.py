@@ -41,7 +41,8 @@ def draw_chart(chart: Chart, path: Path) -> Path:
         axes.axhspan(floor, largest, color="#f0e442", alpha=0.2, linewidth=0, zorder=0, label="spread of references")
     axes.set_xscale("log")
     axes.set_yscale("log")
-    axes.set_xlabel("stepping [core-seconds]", fontsize=FONT_PT, color=INK)
+    beside = "" if all(p.alone for p in drawn) else ", variants side by side: times are a hint only"
+    axes.set_xlabel(f"stepping [core-seconds]{beside}", fontsize=FONT_PT, color=INK)
     axes.set_ylabel(f"error of {chart.scene.goal.statistic} {chart.scene.goal.probe}", fontsize=FONT_PT, color=INK)
     axes.set_title(chart.scene.title, loc="left", fontsize=FONT_PT + 1, color=INK)
     axes.grid(color="0.9", linewidth=0.5, zorder=0.5)

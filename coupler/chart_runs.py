@@ -12,45 +12,61 @@ from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 from typing import Any
 
+from coupler.chart_cluster import run_on_cluster, task_of
 from coupler.chart_variants import Variant
+from coupler.guard import end
 from coupler.supervisor import PACKAGES
-
-_PATIENCE_S = 10.0  # between asking a run to end and killing it
+from shared.commands import case_name
+from shared.results import write_result
+from shared.schema import Scene
 
 
 def run_variants(
-    case: str, variants: Sequence[Variant], folder: Path, jobs: int, say: Callable[[str], None]
+    case: str,
+    variants: Sequence[Variant],
+    folder: Path,
+    jobs: int,
+    say: Callable[[str], None],
+    scheduler: str | None = None,
 ) -> list[dict[str, Any]]:
     """The variants' results in order, from `folder`, where missing ones are run first.
 
-    With one job they run one after the other, each on one core alone, so that their times mean something; with more,
-    side by side, where only errors are wanted.
+    With one job they run one after the other, each on one core alone, so that their times mean something; with more, or
+    on the cluster of a Dask `scheduler`, side by side, where only errors are wanted.
     """
     folder.mkdir(parents=True, exist_ok=True)
+    known = {variant.folder: _finished(folder / variant.folder) for variant in variants}
+    missing = [variant for variant in variants if known[variant.folder] is None]
 
     def one(variant: Variant) -> dict[str, Any]:
-        result = _finished(folder / variant.folder)
-        if result is None:
-            say(f"running {variant.family}: {variant.label or 'as it stands'}")
-            result = _run(case, variant, folder / variant.folder, pinned=jobs == 1)
-            say(f"  {result['status']} {result.get('reason', '')}".rstrip())
+        say(f"running {variant.family}: {variant.label or 'as it stands'}")
+        result = _run(case, variant, folder / variant.folder, alone=jobs == 1)
+        say(f"  {result['status']} {result.get('reason', '')}".rstrip())
         return result
 
-    if jobs == 1:
-        return [one(variant) for variant in variants]
-    with ThreadPoolExecutor(jobs) as pool:
-        return list(pool.map(one, variants))
+    if scheduler is not None and missing:
+        tasks = [(v, task_of(case, v, command(v.scene, f"{case_name(case)}.toml"))) for v in missing]
+        known |= run_on_cluster(tasks, scheduler, folder, say)
+    elif jobs == 1:
+        known |= {variant.folder: one(variant) for variant in missing}
+    else:
+        with ThreadPoolExecutor(jobs) as pool:
+            known |= zip((v.folder for v in missing), pool.map(one, missing), strict=True)
+    return [known[variant.folder] for variant in variants]
 
 
-def command(case: str, variant: Variant, out: Path) -> list[str]:
-    """The command line that runs a variant on one thread per side."""
-    scene = variant.scene
-    words = [word for text in variant.sets for word in ("--set", text)]
+def was_alone(result: dict[str, Any]) -> bool:
+    """Whether nothing else of the chart ran beside this variant, so that its times mean something."""
+    return result.get("chart", {}).get("alone", True)
+
+
+def command(scene: Scene, case: str) -> list[str]:
+    """What runs `scene`, which `case` names, on one thread per side: the words after `python -m`."""
     if scene.fluid is not None and scene.solid is not None:
         program, threads = "coupler", "fluid=1,solid=1"
     else:
         program, threads = PACKAGES["solid" if scene.fluid is None else "fluid"], "1"
-    return [sys.executable, "-m", program, "run", case, "--out", str(out), "--quiet", "--threads", threads, *words]
+    return [program, "run", case, "--quiet", "--threads", threads]
 
 
 def _finished(run_dir: Path) -> dict[str, Any] | None:
@@ -62,30 +78,25 @@ def _finished(run_dir: Path) -> dict[str, Any] | None:
     return result if result["status"] in ("finished", "failed") else None
 
 
-def _run(case: str, variant: Variant, out: Path, pinned: bool) -> dict[str, Any]:
+def _run(case: str, variant: Variant, out: Path, alone: bool) -> dict[str, Any]:
     if out.exists():  # what an interrupted chart left behind
         shutil.rmtree(out)
     log = out.with_suffix(".log")
+    sets = (word for text in variant.sets for word in ("--set", text))
+    words = [sys.executable, "-m", *command(variant.scene, case), "--out", str(out), *sets]
     with log.open("w") as file:
-        child = subprocess.Popen(command(case, variant, out), stdin=subprocess.DEVNULL, stdout=file, stderr=file)
+        child = subprocess.Popen(words, stdin=subprocess.DEVNULL, stdout=file, stderr=file)
         try:
-            if pinned and hasattr(os, "sched_setaffinity"):
+            if alone and hasattr(os, "sched_setaffinity"):
                 os.sched_setaffinity(child.pid, {max(os.sched_getaffinity(0))})
             child.wait()
         finally:
-            _end(child)
+            end(child)
     result = _finished(out)
     if result is None:
         reason = log.read_text(errors="replace").strip()
-        result = {"status": "refused", "reason": reason.splitlines()[0] if reason else "no result"}
+        return {"status": "refused", "reason": reason.splitlines()[0] if reason else "no result"}
+    if not alone:
+        result["chart"] = {"alone": False}
+        write_result(out, result)
     return result
-
-
-def _end(child: subprocess.Popen) -> None:
-    if child.poll() is None:
-        child.terminate()
-        try:
-            child.wait(_PATIENCE_S)
-        except subprocess.TimeoutExpired:
-            child.kill()
-            child.wait()

@@ -145,12 +145,24 @@ def chart(
         int,
         typer.Option(help="Variants at once; more than one where only errors are wanted, times then mislead.", min=1),
     ] = 1,
+    scheduler: Annotated[
+        str | None,
+        typer.Option(
+            help="Dask scheduler whose workers run the variants, like tcp://HOST:8786; times then mislead.",
+            metavar="ADDRESS",
+            show_default=False,
+        ),
+    ] = None,
     quiet: Quiet = False,
 ) -> None:
     """Chart error against cost over the variants of the case's study; what has been run is not run again."""
+    if scheduler is not None and jobs > 1:
+        raise BadInput(f"--jobs {jobs} is how many run at once here; on a cluster its workers say so: leave one away")
     folder = out or Path("runs") / f"chart-{case_name(case)}"
-    found = make_chart(case, sets or (), folder, jobs, (lambda text: None) if quiet else print)
+    say = (lambda text: None) if quiet else (lambda text: print(text, flush=True))
+    found = make_chart(case, sets or (), folder, jobs, say, scheduler)
     changes = "".join(f" --set {text}" for text in sets or ())
+    changes += f" --jobs {jobs}" if jobs > 1 else f" --scheduler {scheduler}" if scheduler else ""
     paths = write_chart(found, folder, f"coupler chart {case_name(case)}{changes}")
     if not quiet:
         for line in (*summary(found), *map(str, paths)):
