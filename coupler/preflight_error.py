@@ -23,6 +23,7 @@ import math
 
 from coupler.preflight_finding import PARTICLE_FLUIDS, STEADY
 from coupler.preflight_numbers import Numbers
+from coupler.preflight_plate import swing_left
 from coupler.preflight_rules_joint import HELMHOLTZ_REFUSE
 from shared.schema import Scene
 from shared.schema_solid import RIGID_MODELS
@@ -111,16 +112,12 @@ def _radiates(n: Numbers) -> bool:
 
 
 def _swing(scene: Scene, n: Numbers) -> float:
-    """What a swing from rest about the answer leaves in a mean from `average_from` on.
-
-    The first mode swings as exp(−η t/2) cos ωt; its mean over N radians is at most 1/N of the amplitude then. Water of
-    particles takes the swing away itself.
-    """
+    """What a swing from rest about the answer leaves in a mean: over N radians at most 1/N of the amplitude that is
+    left when it begins. Water of particles takes the swing away itself."""
     plate = n.plate
     if plate is None or plate.frequency is None or scene.goal.statistic not in STEADY:
         return 0.0
     if n.water is not None and n.water.model in PARTICLE_FLUIDS:
         return 0.0
-    start = scene.output.average_from
-    radians = 2.0 * math.pi * plate.frequency * (scene.end_time - start)
-    return math.exp(-0.5 * plate.damping * start) / max(radians, 1.0)
+    radians = 2.0 * math.pi * plate.frequency * (scene.end_time - scene.output.average_from)
+    return swing_left(scene, plate) / max(radians, 1.0)

@@ -14,14 +14,12 @@ from coupler.preflight_cost import Cost, predicted_cost
 from coupler.preflight_error import Parts, error_parts
 from coupler.preflight_finding import PARTICLE_FLUIDS, STEADY
 from coupler.preflight_numbers import Numbers, scene_numbers
-from coupler.preflight_rules_joint import ALPHA_WARN, SUPPORT_WARN, helmholtz
-from coupler.preflight_rules_plate import ACROSS_WARN
-from coupler.preflight_rules_water import WATER_ACROSS_WARN
+from coupler.preflight_rules_joint import helmholtz
+from coupler.preflight_variations import coupled, dampings, fits, has_particles, refined, with_models
 from shared.scene_checks import check_scene
 from shared.schema import Scene
 from shared.schema_fluid import Fluid
-from shared.schema_solid import PARTICLE_MODELS, RIGID_MODELS, Solid
-from shared.sides import probe_rows
+from shared.schema_solid import RIGID_MODELS, Solid
 
 Standing = Literal["smallest", "enough", "not enough", "cannot"]
 
@@ -32,8 +30,6 @@ SOLIDS = ("rigid", "spring", "beam", "total-lagrangian", "ctvf")
 REFINEMENTS = (2.0, 1.5, 1.25, 1.0, 0.8, 2 / 3, 0.5, 0.4, 1 / 3, 0.25, 0.2, 1 / 6, 0.125, 0.1, 0.075, 0.05, 0.025)
 """Spacings tried, over the scene's own."""
 
-_WINDOWS_PER_PERIOD = 20.0
-_DAMPING_RATIO = 0.7  # of the first mode: brings a static answer to rest within a period
 _RIGID_SHARE = 10.0  # error of the flow per deflection over depth, when an elastic body is held rigid
 
 
@@ -103,22 +99,23 @@ def _rungs(scene: Scene) -> tuple[tuple[str, list], tuple[str, list]]:
 
 def _rung(scene: Scene, fluid: str | None, solid: str | None, why: str) -> Rung:
     """The pair at the coarsest resolution that meets the goal, or `why` it cannot."""
-    base, sets = _with_models(scene, fluid, solid)
+    base, sets = with_models(scene, fluid, solid)
     if why:
         return Rung(fluid, solid, "cannot", why, base, sets)
-    base, more = _coupled(base)
-    sets = (*sets, *more)
     best: Rung | None = None
-    for factor in REFINEMENTS if _has_particles(base) else (1.0,):
-        tried, spacing = _refined(base, factor)
+    for factor in REFINEMENTS if has_particles(base) else (1.0,):
+        tried, spacing = refined(base, factor)
         numbers = scene_numbers(tried)
-        if factor != 1.0 and not _fits(numbers):
+        if factor != 1.0 and not fits(numbers):
             continue
-        for damped, more in _dampings(tried, numbers):
-            rung = _judged(damped, fluid, solid, (*sets, *spacing, *more))
-            if rung.error <= scene.goal.error:
-                return rung
-            best = rung if best is None or rung.error < best.error else best
+        judged = []
+        for damped, damping in dampings(tried, numbers):
+            joined, coupling = coupled(damped)
+            judged.append(_judged(joined, fluid, solid, (*sets, *coupling, *spacing, *damping)))
+        enough = [rung for rung in judged if rung.standing == "enough"]
+        if enough:
+            return min(enough, key=lambda rung: rung.cost.core_s)
+        best = min([*judged, best] if best else judged, key=lambda rung: rung.error)
     return best
 
 
@@ -157,45 +154,6 @@ def _unable(scene: Scene, n: Numbers, worst: str) -> str:
     return f"{worst} does not express the goal"
 
 
-def _with_models(scene: Scene, fluid: str | None, solid: str | None) -> tuple[Scene, tuple[str, ...]]:
-    changes, sets = {}, []
-    for side, model in (("fluid", fluid), ("solid", solid)):
-        part = getattr(scene, side)
-        if model is not None and part.model != model:
-            update = {"model": model}
-            if model == "ctvf" and side == "solid":
-                update["gradient"] = "quadratic"
-                sets.append("solid.gradient=quadratic")
-            changes[side] = part.model_copy(update=update)
-            sets.append(f"{side}.model={model}")
-    return (scene.model_copy(update=changes) if changes else scene), tuple(sets)
-
-
-def _coupled(scene: Scene) -> tuple[Scene, tuple[str, ...]]:
-    """The scene with the coupling that its models want, where the scene leaves it to be chosen.
-
-    Models without steps of their own take windows that the plate's swing can stand: explicit where little comes back
-    within a window, as with water at rest, which answers to places alone. Water in a box that a plate closes has
-    nowhere to go: its load is found by iteration.
-    """
-    n = scene_numbers(scene)
-    if n.joint is None or scene.coupling.scheme != "auto" or scene.coupling.window != "auto":
-        return scene, ()
-    if n.water.model not in PARTICLE_FLUIDS:
-        swing = math.inf if n.plate.frequency is None else 1.0 / (_WINDOWS_PER_PERIOD * n.plate.frequency)
-        window = float(f"{min(scene.end_time / probe_rows(scene), swing):.3g}")
-        lag = n.water.density * n.water.sound_speed * window / (n.plate.density * n.plate.thickness)
-        little = n.water.model == "still" or (scene.fluid.column.compressible and lag <= ALPHA_WARN)
-        scheme = "serial-explicit" if little else "serial-implicit"
-        update = {"scheme": scheme, "window": window}
-    elif n.water.boxed and n.joint.closes and n.joint.mass_ratio > 1.0:
-        update = {"scheme": "serial-implicit", "acceleration": "iqn-ils"}
-    else:
-        return scene, ()
-    changed = scene.model_copy(update={"coupling": scene.coupling.model_copy(update=update)})
-    return changed, tuple(f"coupling.{key}={value}" for key, value in update.items())
-
-
 def _cannot(scene: Scene, side: str, model: str | None) -> str:
     """Why a model cannot express its side of the scene at all; empty if it can."""
     solid, goal = scene.solid, scene.goal
@@ -205,7 +163,7 @@ def _cannot(scene: Scene, side: str, model: str | None) -> str:
             return "the goal is how an elastic body deforms"
     if model == "column" and solid is None:
         return "columns stand on a structure, and there is none"
-    changed, _ = _with_models(scene, *((model, None) if side == "fluid" else (None, model)))
+    changed, _ = with_models(scene, *((model, None) if side == "fluid" else (None, model)))
     mistakes = check_scene(changed) if changed is not scene else []
     return mistakes[0].replace("\n", " ") if mistakes else ""
 
@@ -219,49 +177,6 @@ def _held_rigid(scene: Scene, n: Numbers) -> float:
     elastic = scene_numbers(scene.model_copy(update={"solid": scene.solid.model_copy(update={"model": "beam"})}))
     bent = elastic.plate.deflection if elastic.plate.deflection is not None else 0.0
     return _RIGID_SHARE * bent / n.joint.depth
-
-
-def _has_particles(scene: Scene) -> bool:
-    fluid = scene.fluid is not None and scene.fluid.model in PARTICLE_FLUIDS
-    return fluid or (scene.solid is not None and scene.solid.model in PARTICLE_MODELS)
-
-
-def _refined(scene: Scene, factor: float) -> tuple[Scene, tuple[str, ...]]:
-    """The scene with the spacings of both sides times `factor`."""
-    if factor == 1.0:
-        return scene, ()
-    changes, sets = {}, []
-    for side in ("fluid", "solid"):
-        part = getattr(scene, side)
-        if part is not None:
-            dx = float(f"{part.dx * factor:.4g}")
-            changes[side] = part.model_copy(update={"dx": dx})
-            sets.append(f"{side}.dx={dx:g}")
-    return scene.model_copy(update=changes), tuple(sets)
-
-
-def _fits(n: Numbers) -> bool:
-    """Whether a resolution is fine enough for the rules that warn."""
-    if n.water is not None and n.water.model in PARTICLE_FLUIDS:
-        if n.water.width / n.water.dx < WATER_ACROSS_WARN:
-            return False
-        if n.plate is not None and n.plate.thickness / n.water.support < SUPPORT_WARN:
-            return False
-    least = ACROSS_WARN if n.plate is not None and n.plate.model in PARTICLE_MODELS else 2.0
-    return n.plate is None or n.plate.across >= least * (1.0 - 1e-9)
-
-
-def _dampings(scene: Scene, n: Numbers):
-    """The scene as it is, and damped to rest where the goal is a mean that only the start-up swing disturbs."""
-    yield scene, ()
-    plate = n.plate
-    alone = n.water is None or n.water.model not in PARTICLE_FLUIDS
-    if plate is None or plate.frequency is None or not alone or scene.goal.statistic not in STEADY:
-        return
-    damping = float(f"{2.0 * _DAMPING_RATIO * 2.0 * math.pi * plate.frequency:.3g}")
-    if damping > plate.damping and scene.output.average_from > 0.0:
-        solid = scene.solid.model_copy(update={"damping": damping})
-        yield scene.model_copy(update={"solid": solid}), (f"solid.damping={damping:g}",)
 
 
 def _percent(value: float) -> str:

@@ -14,13 +14,16 @@ from shared.regions import axes_of
 from shared.schema import Scene
 from shared.schema_geometry import Body
 from shared.schema_solid import RIGID_MODELS
+from shared.solid_step import (
+    UPDATED_COURANT,
+    beam_step,
+    expected_limit,
+    first_frequency,
+    lattice_step,
+    viscous_time,
+    wave_speed,
+)
 
-COURANT_UPDATED = {"printed": 0.7, "linear": 0.7, "quadratic": 0.45}  # over dx/c_p, model ctvf
-LIMIT_CLAMPED = 0.73  # largest stable step of total-lagrangian over dx/c_p, without viscosity, both ends clamped
-LIMIT_FREE = (0.675, -0.23)  # the same with a free corner, at ν = 0 and per ν
-SHARE_LAGRANGIAN = 0.85  # of its limit, that "auto" takes
-BEAM_STEPS_PER_PERIOD = 100  # of the first mode
-FIRST_ROOT = {0: 4.730041, 1: 1.875104, 2: 4.730041}  # βL of a thin beam's first mode by its number of clamped ends
 STATIC_FACTOR = {1: 8.0, 2: 384.0}  # k in the largest deflection q L⁴/(k D) under a uniform load
 FACES_OF_AXIS = (("left", "right"), ("bottom", "top"))
 _WET = 0.5  # of a face's samples before which water stands, from which it counts as wetted
@@ -50,6 +53,14 @@ class Plate:
     damping: float
 
 
+def swing_left(scene: Scene, plate: Plate) -> float:
+    """What is left of a swing in the first mode, which decays as exp(−η t/2), when means begin; a mode damped beyond
+    return creeps at η/2 − √(η²/4 − ω²)."""
+    half, omega = 0.5 * plate.damping, 2.0 * math.pi * plate.frequency
+    rate = half if half < omega else half - math.sqrt(half**2 - omega**2)
+    return math.exp(-rate * scene.output.average_from)
+
+
 def measure_plate(scene: Scene, water: Water | None) -> Plate:
     solid = scene.solid
     body = min(solid.bodies, key=lambda one: float(np.min(np.subtract(*own_box(one)[::-1]))))
@@ -60,12 +71,9 @@ def measure_plate(scene: Scene, water: Water | None) -> Plate:
     elastic = solid.youngs_modulus is not None and solid.model not in RIGID_MODELS
     nu, modulus = solid.poisson_ratio, solid.youngs_modulus or math.inf
     stiffness = modulus * thickness**3 / (12.0 * (1.0 - nu**2))
-    wave = math.sqrt(modulus * (1.0 - nu) / ((1.0 + nu) * (1.0 - 2.0 * nu)) / solid.density)
     frequency = deflection = None
     if elastic:
-        frequency = (
-            FIRST_ROOT[ends] ** 2 / (2.0 * math.pi * length**2) * math.sqrt(stiffness / solid.density / thickness)
-        )
+        frequency = first_frequency(ends, length, stiffness, solid.density * thickness)
     axes = axes_of(body.rotate)
     wet = _wetted(scene, body, axis) if water is not None else 0
     if elastic and ends:
@@ -79,14 +87,14 @@ def measure_plate(scene: Scene, water: Water | None) -> Plate:
         length=length,
         across=thickness / solid.dx,
         clamps=ends,
-        wave_speed=wave,
+        wave_speed=wave_speed(solid) if solid.youngs_modulus is not None else math.inf,
         stiffness=stiffness,
         frequency=frequency,
         deflection=deflection,
         stretch=_pull(scene, body, axis, axes[axis]) * (1.0 - nu**2) / modulus if elastic else 0.0,
         wet=int(wet),
         particles=_solid_particles(scene),
-        step=_solid_step(scene, wave, frequency, ends),
+        step=_solid_step(scene, frequency, ends),
         damping=solid.damping,
     )
 
@@ -99,19 +107,19 @@ def _solid_particles(scene: Scene) -> float:
     return sum(area(body) for body in solid.bodies) / solid.dx**2
 
 
-def _solid_step(scene: Scene, wave_speed: float, frequency: float | None, clamps: int) -> float:
+def _solid_step(scene: Scene, frequency: float | None, clamps: int) -> float:
+    """As the model will choose it, where a lattice's largest frequency is an expectation (shared/solid_step.py)."""
     solid = scene.solid
     if solid.model == "beam":
-        return 1.0 / (BEAM_STEPS_PER_PERIOD * frequency)
+        return beam_step(frequency)
     if solid.model in RIGID_MODELS:
         return scene.end_time
+    spacing_time = solid.dx / wave_speed(solid)
     if solid.courant != "auto":
-        return solid.courant * solid.dx / wave_speed
+        return solid.courant * spacing_time
     if solid.model == "ctvf":
-        return COURANT_UPDATED[solid.gradient] * solid.dx / wave_speed
-    limit = LIMIT_CLAMPED if clamps == 2 else LIMIT_FREE[0] + LIMIT_FREE[1] * solid.poisson_ratio
-    viscous = solid.alpha * solid.h_over_dx / 8.0  # time constant of the artificial viscosity over dx/c_p
-    return SHARE_LAGRANGIAN * (math.hypot(viscous, limit) - viscous) * solid.dx / wave_speed
+        return UPDATED_COURANT[solid.gradient] * spacing_time
+    return lattice_step(expected_limit(clamps, solid.poisson_ratio) * spacing_time, viscous_time(solid))
 
 
 def _wetted(scene: Scene, body: Body, axis: int) -> int:

@@ -6,12 +6,11 @@ from coupler.preflight_finding import Finding, above, below
 from coupler.preflight_numbers import Numbers
 from shared.schema import Scene
 from shared.schema_solid import PARTICLE_MODELS
+from shared.solid_step import LARGEST_UPDATED_COURANT, LATTICE_LIMIT, LATTICE_SHARE, UPDATED_COURANT
 
 SLENDER_WARN, SLENDER_REFUSE = 5.0, 3.0
 CAUCHY_WARN, CAUCHY_REFUSE = 10.0, 1000.0  # dam_break_plate has 2.5 and bends by half its length
 ACROSS_WARN, ACROSS_REFUSE = 4.0, 3.0
-SOLID_COURANT_LIMIT = {"total-lagrangian": 0.73, "ctvf": 1.0}
-SOLID_COURANT_SAFE = {"total-lagrangian": 0.63, "ctvf": 0.7}
 POISSON_WARN = 0.49
 
 
@@ -52,10 +51,13 @@ def courant_solid(scene: Scene, n: Numbers) -> Finding | None:
     """The solid's step over dx/c_p, against what was measured to be stable."""
     if n.plate is None or n.plate.model not in PARTICLE_MODELS:
         return None
-    model = n.plate.model
+    gradient = scene.solid.gradient
     value = n.plate.step * n.plate.wave_speed / scene.solid.dx
-    limit = 0.5 if (model, scene.solid.gradient) == ("ctvf", "quadratic") else SOLID_COURANT_LIMIT[model]
-    verdict = above(value, min(SOLID_COURANT_SAFE[model], limit), limit)
+    if n.plate.model == "ctvf":
+        safe, limit = UPDATED_COURANT[gradient], LARGEST_UPDATED_COURANT[gradient]
+    else:
+        safe, limit = LATTICE_SHARE * LATTICE_LIMIT, LATTICE_LIMIT
+    verdict = above(value, safe * (1.0 + 1e-9), limit)
     way_out = "" if verdict == "ok" else "solid.courant = auto"
     return Finding("Courant, solid", value, verdict, f"stable up to about {limit:g}", way_out)
 

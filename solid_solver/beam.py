@@ -13,15 +13,12 @@ import numpy as np
 
 from shared.contract import Description, Exchange, Frame, Kinematics, Loads, SolverFailed
 from shared.schema import Scene
-from solid_solver.beam_geometry import first_period, make_beam
+from shared.solid_step import beam_step
+from solid_solver.beam_geometry import frequency, make_beam
 from solid_solver.beam_motion import MovingBeam
 from solid_solver.bodies import nearest_gap
 from solid_solver.filled import body_probes, filled_bodies, largest_speed
 from solid_solver.interface import describe, kinematics_over_window
-
-STEPS_PER_PERIOD = 100
-"""Steps per period of the first bending mode: an accuracy limit (period 0.03 % too long, the second mode of a
-cantilever 1.2 %); any step is stable."""
 
 
 class BeamModel:
@@ -35,8 +32,7 @@ class BeamModel:
         self._beams = [MovingBeam(scene, make_beam(scene, body)) for body in self._bodies]
         self._reference = np.concatenate([body.position for body in self._bodies])
         self._probes = body_probes(scene, self._at_point(), self._of_body())
-        period = min(first_period(m.beam, scene.solid.density) for m in self._beams)
-        self._stable_step = period / STEPS_PER_PERIOD
+        self._stable_step = beam_step(max(frequency(m.beam, scene.solid.density) for m in self._beams))
         self._time, self._steps, self._converged = 0.0, 0, True
         self._points = self._moved()
 

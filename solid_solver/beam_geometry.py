@@ -11,14 +11,12 @@ from shared.contract import BadInput
 from shared.schema import Scene
 from shared.schema_geometry import Motion
 from shared.schema_solid import Load, Solid
+from shared.solid_step import first_frequency
 from solid_solver.filled import FilledBody
 from solid_solver.loads import Schedule, schedule
 
 SHEAR_FACTOR = 5.0 / 6.0
 """κs of a rectangle (Cowper 1966, ν = 0): with it the shear share of A and B agrees with the closed form."""
-
-_FIRST_ROOT = {0: 4.730041, 1: 1.875104, 2: 4.730041}
-"""βL of a thin beam's first bending mode by its number of clamped ends: free, cantilever, clamped at both ends."""
 
 _SIDES = {"left": (0, -1.0), "right": (0, 1.0), "bottom": (1, -1.0), "top": (1, 1.0)}
 """Faces of a rectangle: axis of their outward normal, and its sense."""
@@ -93,11 +91,9 @@ def _section(solid: Solid, thickness: float, h: float) -> tuple[float, float, fl
     return plane * thickness, 1.0 / (1.0 / shear + h * h / (12.0 * bending)), bending
 
 
-def first_period(beam: Beam, density: float) -> float:
-    """Period [s] of the first bending mode of the thin beam: a little shorter than the true one."""
-    root = _FIRST_ROOT[int(np.sum(~beam.free))]
-    per_length = beam.stiffness[2] / (density * beam.thickness)
-    return 2.0 * math.pi * (beam.length / root) ** 2 / math.sqrt(per_length)
+def frequency(beam: Beam, density: float) -> float:
+    """First bending frequency [1/s] of the thin beam."""
+    return first_frequency(int(np.sum(~beam.free)), beam.length, beam.stiffness[2], density * beam.thickness)
 
 
 def no_load(beam: Beam) -> tuple[np.ndarray, np.ndarray]:

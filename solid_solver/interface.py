@@ -9,27 +9,9 @@ import numpy as np
 from shared.contract import Description, Kinematics
 from shared.geometry import own_box
 from shared.schema import Scene
-from shared.schema_solid import Solid
+from shared.solid_step import wave_speed
 from solid_solver.bodies import LatticeBody
 from solid_solver.filled import FilledBody
-
-
-def lame(solid: Solid) -> tuple[float, float]:
-    """Lamé's λ and μ [Pa] (plane strain)."""
-    e, nu = solid.youngs_modulus, solid.poisson_ratio
-    return e * nu / ((1.0 + nu) * (1.0 - 2.0 * nu)), e / (2.0 * (1.0 + nu))
-
-
-def wave_speed(solid: Solid) -> float:
-    """Speed of P waves c_p = √((λ + 2μ)/ρ) [m/s]."""
-    lam, mu = lame(solid)
-    return math.sqrt((lam + 2.0 * mu) / solid.density)
-
-
-def viscous_time(solid: Solid) -> float:
-    """Time constant τ [s] of the artificial viscosity: ρ c_p² τ = ρ α h c_p/8, the viscosity that Monaghan's α stands
-    for in two dimensions (Monaghan, Rep. Prog. Phys. 68 (2005) 1703)."""
-    return solid.alpha * solid.h_over_dx * solid.dx / (8.0 * wave_speed(solid))
 
 
 def damped_kick(damping: float, tau: float) -> tuple[float, float]:

@@ -6,25 +6,19 @@ lattice_sweeps.py.
 
 from __future__ import annotations
 
-import math
 from collections.abc import Mapping
 
 import numpy as np
 
 from shared.schema_solid import Solid
+from shared.solid_step import lame, lattice_step, viscous_time, wave_speed
 from solid_solver.bodies import LatticeBody
 from solid_solver.energies import lattice_energy
 from solid_solver.held import sizes
-from solid_solver.interface import lame, viscous_time, wave_speed
 from solid_solver.lattice_sweeps import SCRATCH, SUMS, derivative_sweep, steps
 from solid_solver.stencil import lay_out
 from solid_solver.strain_gradient import STRAINS, extremes
 from solid_solver.stresses import cauchy_fields
-
-COURANT_OF_LIMIT = 0.85
-"""Default step over the limit, which comes from the largest frequency ω_max, found for each scene by power iteration:
-2/ω_max is 0.73 dx/c_p for a plain block (0.64 for a plate 4 particles across, 0.54 for 3). The rest is for the
-iteration's own error."""
 
 POWER_ITERATIONS = 100
 
@@ -131,17 +125,15 @@ class Lattice:
         if solid.courant != "auto":
             return solid.courant * dx / wave_speed(solid)
         self.u[:, self.slot] = np.random.default_rng(0).standard_normal((2, self.count))
-        omega_squared = 0.0
+        omega = 0.0
         for _ in range(POWER_ITERATIONS):
             self.u *= TRIAL_STRAIN * dx / np.max(np.abs(self.u))
             self.find_forces(0.0)
-            omega_squared = math.sqrt(np.sum(self.a**2) / np.sum(self.u**2))
+            omega = (np.sum(self.a**2) / np.sum(self.u**2)) ** 0.25
             self.u[...] = self.a
         for field in (self.u, self.v, self.a, self.strain):
             field[...] = 0.0
-        # Of v' = v − Δt ω²(x + τ v), x' = x + Δt v': Δt² + 2 τ Δt < 4/ω².
-        tau = self._viscous_time
-        return COURANT_OF_LIMIT * (math.sqrt(tau**2 + 4.0 / omega_squared) - tau)
+        return lattice_step(2.0 / omega, self._viscous_time)
 
     def _sweep(self, time: float, planes: np.ndarray) -> None:
         forward, driven = tuple(self._layout.forward), tuple(self._layout.driven)

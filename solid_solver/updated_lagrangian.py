@@ -14,19 +14,17 @@ import numpy as np
 
 from shared.contract import Description, Exchange, Frame, Kinematics, Loads, SolverFailed
 from shared.schema import Scene
+from shared.solid_step import UPDATED_COURANT, lame, wave_speed
 from solid_solver.bodies import nearest_gap
 from solid_solver.carried import Carried
 from solid_solver.energies import WorkBook, trapezoid
-from solid_solver.interface import damped_kick, describe, kinematics_over_window, lame, wave_speed
+from solid_solver.interface import damped_kick, describe, kinematics_over_window
 from solid_solver.loads import scheduled_loads
 from solid_solver.probes import Observed, kinetic_energy, solid_probes, wants_work
 from solid_solver.updated_fields import AX, RHO, M, U, V, X, Y
 from solid_solver.updated_observe import failure, strain_energy, stresses, tracers
 from solid_solver.updated_start import start
 from solid_solver.updated_stepper import Stepper
-
-COURANT = (0.7, 0.7, 0.45)
-"""Default step over dx/c_p by the gradient's order."""
 
 PARALLEL_FROM = 3000
 """Particles from which a second thread pays, also beside a busy fluid."""
@@ -72,7 +70,7 @@ class UpdatedLagrangian:
 
     def stable_step(self) -> float:
         solid = self._scene.solid
-        courant = COURANT[self._s.order] if solid.courant == "auto" else solid.courant
+        courant = UPDATED_COURANT[solid.gradient] if solid.courant == "auto" else solid.courant
         closest = min(1.0, self._stepper.closest())
         return courant * closest * float(self._s.spacing[self._slot].min()) / wave_speed(solid)
 

@@ -9,13 +9,13 @@ import numpy as np
 
 from shared.kernels import Kernel, kernel_named
 from shared.schema import Scene
+from shared.solid_step import lame
 from solid_solver import updated_linear, updated_quadratic
 from solid_solver.blocks import FAR, Storage
 from solid_solver.bodies import LatticeBody, lattice_bodies
 from solid_solver.clamps import FACE_POINT_WEIGHT, fixed_particles
 from solid_solver.held import HeldPoints
 from solid_solver.initial import prestrain, start_velocity, stretched
-from solid_solver.interface import lame
 from solid_solver.updated_fields import ACTS, IRHO, MOVES, RHO, SXX, SZZ, M, U, V, X, Y
 
 ORDERS = {"printed": 0, "linear": 1, "quadratic": 2}

@@ -24,9 +24,9 @@ from shared.contract import ShearwaterError
 from shared.geometry import own_box
 from shared.probes import read_probes
 from shared.scene import load_scene
+from shared.solid_step import wave_speed
 from shared.solo import run_alone
 from shared.statistics import relative_error, statistic
-from solid_solver.interface import wave_speed
 from solid_solver.models import make_model
 from tests.benchmark_structures_measures import measures
 from tests.benchmark_structures_rows import ACROSS, STATIC_SPEEDS, Row, rows

@@ -1,0 +1,122 @@
+"""What a scene is varied by for the ladder of models: models, coupling, spacings, damping. Each variation comes with
+the `--set` texts that make it."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+
+from coupler.preflight_finding import PARTICLE_FLUIDS, STEADY
+from coupler.preflight_numbers import Numbers, scene_numbers
+from coupler.preflight_plate import swing_left
+from coupler.preflight_rules_joint import ALPHA_WARN, SUPPORT_WARN
+from coupler.preflight_rules_plate import ACROSS_WARN
+from coupler.preflight_rules_water import WATER_ACROSS_WARN
+from shared.schema import Scene
+from shared.schema_solid import PARTICLE_MODELS
+from shared.sides import probe_rows
+
+Varied = tuple[Scene, tuple[str, ...]]
+
+_WINDOWS_PER_PERIOD = 20.0
+_ROWS_OF_A_MEAN = 4  # of a structure that has come to rest
+_AT_REST = 1e-3  # of a swing, that is rest
+_STIFF = 0.03  # deflection over depth: below, water that follows the plate adds so much to its load, window by window
+_DAMPING_RATIO = 0.7  # of the first mode: brings a static answer to rest within a period
+
+
+def with_models(scene: Scene, fluid: str | None, solid: str | None) -> Varied:
+    """The scene with these models; None: as it is."""
+    changes, sets = {}, []
+    for side, model in (("fluid", fluid), ("solid", solid)):
+        part = getattr(scene, side)
+        if model is not None and part.model != model:
+            update = {"model": model}
+            if model == "ctvf" and side == "solid":
+                update["gradient"] = "quadratic"
+                sets.append("solid.gradient=quadratic")
+            changes[side] = part.model_copy(update=update)
+            sets.append(f"{side}.model={model}")
+    return (scene.model_copy(update=changes) if changes else scene), tuple(sets)
+
+
+def coupled(scene: Scene) -> Varied:
+    """The scene with the coupling that its models want, where the scene leaves it to be chosen.
+
+    Models without steps of their own take windows that resolve the plate's swing: explicit where little comes back
+    within a window, as with water at rest, which answers to places alone. Where no swing is left of a mean, a few
+    windows make it. Water in a box that a plate closes has nowhere to go: its load is found by iteration.
+    """
+    n = scene_numbers(scene)
+    if n.joint is None or scene.coupling.scheme != "auto" or scene.coupling.window != "auto":
+        return scene, ()
+    if n.water.model not in PARTICLE_FLUIDS:
+        swing = math.inf if n.plate.frequency is None else 1.0 / (_WINDOWS_PER_PERIOD * n.plate.frequency)
+        rows = scene.end_time / probe_rows(scene)
+        window = _resting_window(scene, n, swing, rows) if n.water.model == "still" else min(swing, rows)
+        window = float(f"{window:.3g}")
+        lag = n.water.density * n.water.sound_speed * window / (n.plate.density * n.plate.thickness)
+        little = n.water.model == "still" or (scene.fluid.column.compressible and lag <= ALPHA_WARN)
+        scheme = "serial-explicit" if little else "serial-implicit"
+        update = {"scheme": scheme, "window": window}
+    elif n.water.boxed and n.joint.closes and n.joint.mass_ratio > 1.0:
+        update = {"scheme": "serial-implicit", "acceleration": "iqn-ils"}
+    else:
+        return scene, ()
+    changed = scene.model_copy(update={"coupling": scene.coupling.model_copy(update=update)})
+    return changed, tuple(f"coupling.{key}={value}" for key, value in update.items())
+
+
+def _resting_window(scene: Scene, n: Numbers, swing: float, rows: float) -> float:
+    """The window [s] under water at rest, where windows of `swing` would resolve the plate's swing and of `rows` the
+    rows of probes: a mean needs no rows of its own, and only a few of a plate that has come to rest."""
+    measured = scene.end_time - scene.output.average_from
+    if scene.goal is None or scene.goal.statistic not in STEADY or measured <= 0.0:
+        return min(swing, rows)
+    stiff = n.plate.deflection is None or n.plate.deflection < _STIFF * n.water.height
+    rests = stiff and (n.plate.frequency is None or swing_left(scene, n.plate) < _AT_REST)
+    return measured / _ROWS_OF_A_MEAN if rests else swing
+
+
+def has_particles(scene: Scene) -> bool:
+    """Whether a side is made of particles, so that its spacing counts."""
+    fluid = scene.fluid is not None and scene.fluid.model in PARTICLE_FLUIDS
+    return fluid or (scene.solid is not None and scene.solid.model in PARTICLE_MODELS)
+
+
+def refined(scene: Scene, factor: float) -> Varied:
+    """The scene with the spacings of both sides times `factor`."""
+    if factor == 1.0:
+        return scene, ()
+    changes, sets = {}, []
+    for side in ("fluid", "solid"):
+        part = getattr(scene, side)
+        if part is not None:
+            dx = float(f"{part.dx * factor:.4g}")
+            changes[side] = part.model_copy(update={"dx": dx})
+            sets.append(f"{side}.dx={dx:g}")
+    return scene.model_copy(update=changes), tuple(sets)
+
+
+def fits(n: Numbers) -> bool:
+    """Whether a resolution is fine enough for the rules that warn."""
+    if n.water is not None and n.water.model in PARTICLE_FLUIDS:
+        if n.water.width / n.water.dx < WATER_ACROSS_WARN:
+            return False
+        if n.plate is not None and n.plate.thickness / n.water.support < SUPPORT_WARN:
+            return False
+    least = ACROSS_WARN if n.plate is not None and n.plate.model in PARTICLE_MODELS else 2.0
+    return n.plate is None or n.plate.across >= least * (1.0 - 1e-9)
+
+
+def dampings(scene: Scene, n: Numbers) -> Iterator[Varied]:
+    """The scene as it is, and damped to rest where the goal is a mean that only the start-up swing disturbs."""
+    yield scene, ()
+    plate = n.plate
+    alone = n.water is None or n.water.model not in PARTICLE_FLUIDS
+    if plate is None or plate.frequency is None or not alone or scene.goal.statistic not in STEADY:
+        return
+    damping = float(f"{2.0 * _DAMPING_RATIO * 2.0 * math.pi * plate.frequency:.3g}")
+    if damping > plate.damping and scene.output.average_from > 0.0:
+        solid = scene.solid.model_copy(update={"damping": damping})
+        yield scene.model_copy(update={"solid": solid}), (f"solid.damping={damping:g}",)
