@@ -100,11 +100,6 @@ def relaxation(scene: Scene, x: float) -> float:
     return 2.0 / (1.0 + x)
 
 
-def one_support(scene: Scene, x: float) -> float:
-    """A plate as thick as the fluid's kernel reaches, in dx; in a thinner one ghosts hear both sides."""
-    return kernel_named(scene.fluid.kernel).support * scene.fluid.h_over_dx
-
-
 def lattice_waves(scene: Scene, x: float) -> float:
     """Largest Courant number of sound on a lattice of particles."""
     fluid = scene.fluid
@@ -116,6 +111,5 @@ THEORIES: dict[str, Callable[[Scene, float], float | None]] = {
     "lagged-silent": lagged_silent,
     "lagged-incompressible": lagged_incompressible,
     "relaxation": relaxation,
-    "one-support": one_support,
     "lattice-waves": lattice_waves,
 }
