@@ -7,6 +7,7 @@ passes.
 
 from __future__ import annotations
 
+import logging
 import re
 from dataclasses import dataclass
 from pathlib import Path
@@ -66,6 +67,13 @@ MODES = (
         flagged="window α",
     ),
     Mode(
+        "both sides at once under deep water",
+        "hydrostatic_plate",
+        spoil=("coupling.scheme=parallel-explicit", "coupling.predictor=2", "coupling.window=1e-3"),
+        cure=("coupling.window=auto",),
+        flagged="window α",
+    ),
+    Mode(
         "sound speed too low",
         "dam_break",
         spoil=("fluid.sound_speed=4.0",),
@@ -104,6 +112,14 @@ MODES = (
         spoil=("solid.model=ctvf", "solid.gradient=printed", "solid.shifting=false"),
         cure=("solid.gradient=quadratic",),
         flagged="gradient order",  # within a run: see test_fracture_is_reported of the updated-Lagrangian solid
+    ),
+    Mode(
+        "quadratic fit with few neighbours",
+        "stretched_strip",
+        spoil=("solid.model=ctvf", "solid.gradient=quadratic", "solid.h_over_dx=1.0"),
+        cure=("solid.h_over_dx=1.3",),
+        said=r"The solid failed at t = .*solid\.gradient = ",
+        shorten=("solid.dx=4e-3", "end_time=0.1", "output.average_from=0.0", "references=[]"),
     ),
     Mode(
         "pairing",
@@ -231,6 +247,17 @@ def test_a_light_gate_on_a_box_is_named_before_and_within_an_explicit_run(tmp_pa
     assert verdict(mode, mode.spoil) == "refuse"
     with pytest.raises(ShearwaterError):
         run(mode, mode.spoil, tmp_path / "run")
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("case", shipped_cases())
+def test_nothing_is_diagnosed_in_the_first_tenth_of_a_shipped_case(case, tmp_path, caplog):
+    """Whole runs of all of them make the tables in cases/results; pre-flight: test_no_false_alarm_on_a_shipped_case."""
+    tenth = 0.1 * load_scene(case).end_time
+    sets = (f"end_time={tenth!r}", "output.average_from=0.0", "references=[]")
+    result = run(Mode("good", case, (), ()), sets, tmp_path / "run").result
+    assert result["status"] == "finished"
+    assert [r.getMessage() for r in caplog.records if r.levelno >= logging.WARNING] == []
 
 
 def test_every_mode_is_detected():
