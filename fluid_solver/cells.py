@@ -25,7 +25,7 @@ COLUMNS = 2  # cells per support along a row
 SEGMENT = 32  # cells of a row that share a buffer
 BLOCK = 4096  # particles per task of an elementwise loop
 CHUNKS = 48  # tasks of a sweep; fixed, so that nothing depends on the thread count
-SORTS = 16  # tasks of the sort
+SORTS = 16  # tasks of a sort, at most
 MAX_CELLS = 8_000_000
 _NOT_NEGATIVE = 2**62 - 1
 
@@ -101,12 +101,13 @@ def count_cells(key, count, spans, start, order):
     lie in few blocks, and ranges cut at every so many particles are of like work.
     """
     blocks = (count + BLOCK - 1) // BLOCK
-    first = np.zeros(SORTS + 1, dtype=np.int64)  # key of each task
-    total = np.zeros(SORTS + 1, dtype=np.int64)
-    for task in range(1, SORTS):
-        first[task] = max(first[task - 1], key[task * count // SORTS])
-    first[SORTS] = start.size - 1
-    for task in numba.prange(SORTS):
+    tasks = max(1, min(SORTS, blocks // 2))  # each goes through whole blocks
+    first = np.zeros(tasks + 1, dtype=np.int64)  # key of each task
+    total = np.zeros(tasks + 1, dtype=np.int64)
+    for task in range(1, tasks):
+        first[task] = max(first[task - 1], key[task * count // tasks])
+    first[tasks] = start.size - 1
+    for task in numba.prange(tasks):
         lo, hi = first[task], first[task + 1]
         for k in range(lo + 1, hi + 1):
             start[k] = 0
@@ -118,10 +119,10 @@ def count_cells(key, count, spans, start, order):
                         start[key[i] + 1] += 1
                         found += 1
         total[task + 1] = found
-    for task in range(SORTS):
+    for task in range(tasks):
         total[task + 1] += total[task]
     start[0] = 0
-    for task in numba.prange(SORTS):
+    for task in numba.prange(tasks):
         lo, hi = first[task], first[task + 1]
         begin = total[task]
         for k in range(lo + 1, hi + 1):  # for now, where the cell's next particle goes

@@ -53,7 +53,7 @@ class Store:
         self._spare = _with_slack(S), np.empty_like(self.kind), np.empty_like(self.ids)
         self._key, self._order = np.empty(n, dtype=np.int64), np.empty(n, dtype=np.int64)
         self._found, self._spans = np.empty((5, n // BLOCK + 1)), np.empty((n // BLOCK + 1, 2), dtype=np.int64)
-        self._cells = np.zeros(2, dtype=np.int64)
+        self._cells = np.zeros(2, dtype=np.int32)
         self._support, self._domain, self._period = support, domain, period
         self.work = np.zeros((WORK_ROWS, n))
         self.speeds = np.empty((2, n // BLOCK + 1))
@@ -123,7 +123,7 @@ class Store:
         self.grid = self.grid._replace(columns=int(size[0]), rows=int(size[1]))
         cells = 2 * self.grid.columns * self.grid.rows + 2
         if cells > self._cells.size:
-            self._cells = np.empty(int(_CROWDED * cells), dtype=np.int64)
+            self._cells = np.empty(int(_CROWDED * cells), dtype=np.int32)
         self.start = self._cells[:cells]
         return box[:, 0].copy(), inv_cell
 
@@ -163,7 +163,7 @@ class Store:
     def restore(self, state: Mapping[str, np.ndarray]) -> None:
         """Back to a `state`, bit for bit."""
         self.S[...], self.kind[...], self.ids[...] = state["S"], state["kind"], state["ids"]
-        self._cells = np.array(state["start"])
+        self._cells = np.array(state["start"], dtype=np.int32)
         self.start = self._cells
         columns, rows, self.count, self.parked = (int(k) for k in state["cells"])
         self.grid = self.grid._replace(columns=columns, rows=rows)
