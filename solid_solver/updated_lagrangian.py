@@ -116,14 +116,14 @@ class UpdatedLagrangian:
         raise SolverFailed(
             f"The solid failed at t = {self._time:.6g} s: {what} at the particle with reference position "
             f"({place[0]:.5g}, {place[1]:.5g}) m. Lower solid.courant (step now at most {self.stable_step():.3g} s), "
-            f"keep solid.shifting on, {self._gentler()}or use solid.model = 'total-lagrangian', which cannot fracture."
+            f"keep solid.shifting on, {self._better()}or use solid.model = 'total-lagrangian', which cannot fracture."
         )
 
-    def _gentler(self) -> str:
-        """Words on a gradient that bears larger strains."""
-        if self._scene.solid.gradient != "quadratic":
+    def _better(self) -> str:
+        """Words on what bears larger strains than the gradient in use."""
+        if self._scene.solid.gradient == "quadratic":
             return "refine solid.dx, "
-        return "use solid.gradient = 'linear', which bears larger strains at the corners of clamps, "
+        return "use solid.gradient = 'quadratic', which bears larger strains, "
 
     def probe_values(self) -> dict[str, float]:
         position, velocity = self._tracers()

@@ -11,6 +11,7 @@ import numpy as np
 from solid_solver.energies import stress_energy
 from solid_solver.stresses import stress_fields
 from solid_solver.updated_fields import ACTS, E0, E1, G00, G11, IRHO, OWN, RHO, SXX, SZZ, M, U, V, X, Y
+from solid_solver.updated_quadratic import PULL, Z_ROWS
 from solid_solver.updated_steps import NEAREST2
 
 FRACTURE_GAP = 2.0
@@ -37,6 +38,8 @@ def strain_energy(S: np.ndarray, extent: tuple[int, int], moduli: tuple, curvatu
     pressure = c_squared * (body[RHO] - density)
     of_strain = shear, c_squared * density, bending
     energy = stress_energy(body[SXX : SZZ + 1], pressure, body[OWN : OWN + curvature], body[M] * body[IRHO], of_strain)
+    if curvature == Z_ROWS:  # beside Z there is a pull's own
+        energy += body[PULL] * body[M] * body[IRHO]
     return float(energy @ body[ACTS])
 
 

@@ -1,4 +1,4 @@
-"""Sweeps of the updated-Lagrangian solid with a gradient that is exact for quadratic fields."""
+"""Sweeps of the updated-Lagrangian solid with a gradient that is exact for quadratic fields (see updated_fit.py)."""
 
 from __future__ import annotations
 
@@ -10,20 +10,22 @@ from solid_solver.updated_fields import ACTS, AX, AY, E0, E1, G00, G01, G10, G11
 from solid_solver.updated_fit import SUMS, add_differences, add_moments, factors, solved
 from solid_solver.updated_material import by_middle, carried, spin, turned, turned_stress
 from solid_solver.updated_pairs import OWN_SIZE, PAIR_SIZE, fit_force_pair, fit_pair, load_own
+from solid_solver.updated_pull import pull, pulled, spread
 
-Z0, Z1, Z2, Z3, Z4, Z5, W0, W1, W2, W3, W4, P0, P1, P2, P3, P4, R0, R1, R2, R3, R4 = range(OWN, OWN + 21)
+Z0, Z1, Z2, Z3, Z4, Z5, W0, W1, W2, W3, W4, P0, P1, P2, P3, P4, R0, R1, R2, R3, R4, PULL = range(OWN, OWN + 22)
+"""Planes of Z; of the sums that the forces need again; of the fluxes; of the energy of A per volume."""
 
-ROWS = OWN + 21
+ROWS, Z_ROWS = OWN + 22, 6
 _AT = (SUMS - M) * RUN
 _WORK = _AT + ROWS * RUN
 
 
 @inline_njit
 def _material(d, count, material, h, dt):
-    """From the sums in `d` the rows of the state behind them, after `dt`."""
+    """From the sums in `d` the rows of the state behind them, after `dt`; the forces get Z + A of updated_pull.py."""
     shear, c_squared, rho0, _ = material
     lam = c_squared * rho0 - 2.0 * shear / 3.0
-    rate = 1.0 / dt if dt > 0.0 else 0.0
+    rate, share = 1.0 / dt if dt > 0.0 else 0.0, 0.5 * lam / (lam + shear)
     per_h, per_h2 = 1.0 / h, 1.0 / (h * h)
     for l in range(count):
         at = _AT + l
@@ -62,6 +64,12 @@ def _material(d, count, material, h, dt):
         pressure = c_squared * (rho - rho0)
         per = irho * irho * d[at + ACTS * RUN]
         one, two = per * per_h, per * per_h2
+        tension, n = pull(xx - pressure, xy, yy - pressure)
+        per_strain = 6.0 / (shear * d[at + M * RUN] * irho)
+        k = h * h * tension * spread(d, l, n) * per_strain
+        a0, a1, a2, a3, a4, a5, energy = pulled(z0, z1, z2, z3, z4, z5, n, k, share)
+        d[at + PULL * RUN] = per_strain * energy
+        z0, z1, z2, z3, z4, z5 = z0 + a0, z1 + a1, z2 + a2, z3 + a3, z4 + a4, z5 + a5
         r0, r1, r2, r3, r4 = solved(fit, one * (xx - pressure), one * xy, two * z0, two * (z1 + z3), two * z4)
         d[at + P0 * RUN], d[at + P1 * RUN], d[at + P2 * RUN], d[at + P3 * RUN], d[at + P4 * RUN] = r0, r1, r2, r3, r4
         r0, r1, r2, r3, r4 = solved(fit, one * xy, one * (yy - pressure), two * z1, two * (z2 + z4), two * z5)

@@ -9,7 +9,7 @@ import math
 
 import numpy as np
 
-from solid_solver.shifting import shift
+from solid_solver.shifting import NEEDED, shift
 from solid_solver.updated_fields import X, Y
 from solid_solver.updated_start import Start
 from solid_solver.updated_steps import CROWDED, NEAREST2, OUTGROWN, linear_steps, needs, quadratic_steps
@@ -64,4 +64,4 @@ class Stepper:
 
     @property
     def _watch(self) -> tuple:
-        return self.gauge, self._closest, self._s.kernel.support * self._s.h
+        return self.gauge, self._closest, self._s.kernel.support * self._s.h, NEEDED[self._s.order]

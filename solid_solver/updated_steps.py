@@ -19,7 +19,6 @@ from numba import prange
 
 from shared.jit import ordered_njit, ordered_parallel_njit
 from solid_solver.blocks import CHUNK, RUN
-from solid_solver.shifting import NEEDED
 from solid_solver.updated_fields import AX, MOVES, U, X, Y
 from solid_solver.updated_linear import linear_forces, linear_stress
 from solid_solver.updated_quadratic import quadratic_forces, quadratic_stress
@@ -90,39 +89,40 @@ def _look(n, blocks, S, gauge):
 
 
 @ordered_njit
-def _needs(blocks, S, gauge, closest, reach):
+def _needs(blocks, S, gauge, closest, reach, crowded):
     """What the last look found, OUTGROWN | CROWDED."""
     found = 0
     for n in range(blocks.start.size):
         if closest[n] < reach * reach:
             found = found | OUTGROWN
         for a in range(blocks.start[n], blocks.start[n] + blocks.count[n]):
-            if gauge[NEAREST2, a] < NEEDED * NEEDED and S[MOVES, a] > 0.0:
+            if gauge[NEAREST2, a] < crowded * crowded and S[MOVES, a] > 0.0:
                 found = found | CROWDED
     return found
 
 
 @ordered_parallel_njit
-def needs(blocks, S, gauge, closest, reach):
+def needs(blocks, S, gauge, closest, reach, crowded):
     """Look at the pairs; returns what they call for, OUTGROWN | CROWDED.
 
-    Nearest neighbours go into `gauge`, and per block the least squared distance of a watched pair into `closest`.
+    Nearest neighbours go into `gauge`, and per block the least squared distance of a watched pair into `closest`;
+    particles are crowded below the distance `crowded` over s.
     """
     for n in prange(blocks.start.size):
         closest[n] = _look(n, blocks, S, gauge)
-    return _needs(blocks, S, gauge, closest, reach)
+    return _needs(blocks, S, gauge, closest, reach, crowded)
 
 
 @ordered_parallel_njit
 def linear_steps(S, blocks, watch, kernel, held, loads, kick, numbers):
     """Take steps until the loads' shares are used up or the pairs call for something; returns the next step's number.
 
-    `watch`: gauge, closest (blocks,), reach [m], which needs are heeded; `kernel`: code, h; `held`: slots of the fixed
-    particles, and their places after each step (steps + 1, 2, m), m = 0 if they stand still; `loads`: steady
-    (2, slots), ramped (g, 2, slots), shares (steps + 1, g); `kick`: (e, τφ) of half a step; `numbers`: dt, α h c,
-    material, whether the gradient is corrected (1 or 0), first step to take.
+    `watch`: gauge, closest (blocks,), reach [m], distance over s of a pair that is crowded, which needs are heeded;
+    `kernel`: code, h; `held`: slots of the fixed particles, and their places after each step (steps + 1, 2, m), m = 0
+    if they stand still; `loads`: steady (2, slots), ramped (g, 2, slots), shares (steps + 1, g); `kick`: (e, τφ) of
+    half a step; `numbers`: dt, α h c, material, whether the gradient is corrected (1 or 0), first step to take.
     """
-    gauge, closest, reach, heeded = watch
+    gauge, closest, reach, crowded, heeded = watch
     code, h = kernel
     slots, places = held
     steady, ramped, shares = loads
@@ -132,7 +132,7 @@ def linear_steps(S, blocks, watch, kernel, held, loads, kick, numbers):
         if n > begin and n % CADENCE == 0:
             for k in prange(blocks.start.size):
                 closest[k] = _look(k, blocks, S, gauge)
-            if _needs(blocks, S, gauge, closest, reach) & heeded:
+            if _needs(blocks, S, gauge, closest, reach, crowded) & heeded:
                 return n
         _kicked(S, blocks, steady, ramped, shares[n], kick)
         _drifted(S, blocks, slots, places[n + 1], dt)
@@ -147,7 +147,7 @@ def linear_steps(S, blocks, watch, kernel, held, loads, kick, numbers):
 @ordered_parallel_njit
 def quadratic_steps(S, blocks, watch, kernel, held, loads, kick, numbers):
     """As `linear_steps`, with the quadratic gradient."""
-    gauge, closest, reach, heeded = watch
+    gauge, closest, reach, crowded, heeded = watch
     code, h = kernel
     slots, places = held
     steady, ramped, shares = loads
@@ -157,7 +157,7 @@ def quadratic_steps(S, blocks, watch, kernel, held, loads, kick, numbers):
         if n > begin and n % CADENCE == 0:
             for k in prange(blocks.start.size):
                 closest[k] = _look(k, blocks, S, gauge)
-            if _needs(blocks, S, gauge, closest, reach) & heeded:
+            if _needs(blocks, S, gauge, closest, reach, crowded) & heeded:
                 return n
         _kicked(S, blocks, steady, ramped, shares[n], kick)
         _drifted(S, blocks, slots, places[n + 1], dt)

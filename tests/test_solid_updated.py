@@ -65,7 +65,7 @@ def test_simple_shear_follows_the_jaumann_solution():
 def test_forces_do_the_work_of_the_stresses_and_keep_momentum_and_moment():
     """Also where the density varies; Q·∇²u with E' V/12 ∇²u the rate of Q."""
     model = jittered()
-    work, power, q, rate, force = power_of_stresses(model, 2, np.random.default_rng(0))
+    work, power, q, rate, force, _ = power_of_stresses(model, 2, np.random.default_rng(0))
     volume = model._mass / 1100.0
     power += np.sum(q * rate, axis=0) / (model._moduli()[3] * (model._mass / 1000.0) / 12.0)
     assert work == pytest.approx(-np.sum(volume * power), rel=1e-6)

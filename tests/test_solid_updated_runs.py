@@ -71,7 +71,7 @@ def test_a_plate_swings_and_stays_whole_at_poissons_ratio_049(gradient):
 
 def test_rollback_gives_the_same_bytes_across_new_neighbour_lists_and_shifts():
     block = [{"name": "block", "rectangle": [0.0, 0.0, 1.0, 0.4], "velocity": [20.0, 3.0], "free": True}]
-    model = make_model(solid_scene(model="ctvf", bodies=block), True, 1)
+    model = make_model(solid_scene(model="ctvf", gradient="linear", bodies=block), True, 1)
     model.begin(None)
     *_, _ = run(model, 0.02, 4)
     put(model, X, get(model, X, Y) + 0.02 * np.random.default_rng(1).uniform(-1.0, 1.0, (2, len(model._slot))))

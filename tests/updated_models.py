@@ -33,7 +33,10 @@ def get(model, first, last):
 
 
 def power_of_stresses(model, curvature, rng):
-    """Σ F·u, and −Σ V (σ:∇u + Q:∇²u), for random velocities and random stresses; `curvature`: rows of Q or Z."""
+    """Σ F·u, and −Σ V (σ:∇u + Q:∇²u), for random velocities and random stresses; `curvature`: rows of Q or Z.
+
+    Also the stress (3, n) as xx, xy, yy.
+    """
     count = len(model._slot)
     u, place = rng.standard_normal((2, count)), get(model, X, Y)
     put(model, U, u)
@@ -49,4 +52,4 @@ def power_of_stresses(model, curvature, rng):
     pressure = c_squared * (1100.0 - density)
     power = (s[0] - pressure) * gradient[0] + s[1] * (gradient[1] + gradient[2]) + (s[2] - pressure) * gradient[3]
     force = model._mass * get(model, AX, AY)
-    return np.sum(force * u), power, q, second, force
+    return np.sum(force * u), power, q, second, force, s[:3] - pressure * np.array([[1.0], [0.0], [1.0]])
