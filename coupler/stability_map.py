@@ -49,9 +49,9 @@ class Criterion(Table):
     """What makes a run bad: its measure past `limit`. A run that ends by a diagnosis is bad in any case.
 
     growth: of the probe's amplitude per row of probes, the probe going as its square: at the run's end, or up to
-    where it saturated; iterations: of a window, in the mean; rise: largest rise of the probe above an earlier value of
-    its own, over its largest size; deviation: of the probe's statistic from `value`, or from what it is in the run at
-    y = `reference`, relative.
+    where it saturated; iterations: of the window that takes most; rise: largest rise of the probe above an earlier
+    value of its own, over its largest size; deviation: of the probe's statistic from `value`, or from what it is in
+    the run at y = `reference`, relative.
     """
 
     measure: Literal["growth", "iterations", "rise", "deviation"] = key(about="what is looked at")

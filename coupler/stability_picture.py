@@ -29,7 +29,7 @@ _TICKS = (
 """Numbers within a decade that get a tick, where the axis ends below so many times its start; else powers of ten."""
 _NAMES = {
     "growth": "growth per window",
-    "iterations": "iterations per window",
+    "iterations": "iterations of a window",
     "rise": "rise over largest size, over its limit",
     "deviation": "deviation over its limit",
 }

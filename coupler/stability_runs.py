@@ -66,7 +66,7 @@ def measure(scene: Scene, criterion: Criterion) -> float:
         watched = _watch(scene)
     except ShearwaterError:
         return FAILED
-    return _MEASURES[criterion.measure](watched, criterion, scene)
+    return MEASURES[criterion.measure](watched, criterion, scene)
 
 
 def with_reference(criterion: Criterion, cell: Callable[[float], Scene]) -> Criterion:
@@ -165,7 +165,7 @@ def _growth(watched: Watched, criterion: Criterion, scene: Scene) -> float:
 
 
 def _iterations(watched: Watched, criterion: Criterion, scene: Scene) -> float:
-    return float(np.mean(watched.iterations))
+    return float(np.max(watched.iterations))
 
 
 def _rise(watched: Watched, criterion: Criterion, scene: Scene) -> float:
@@ -182,7 +182,7 @@ def _statistic(watched: Watched, criterion: Criterion, scene: Scene) -> float | 
     return statistic(criterion.statistic, *watched.history(criterion.probe), between)
 
 
-_MEASURES: dict[str, Callable[[Watched, Criterion, Scene], float]] = {
+MEASURES: dict[str, Callable[[Watched, Criterion, Scene], float]] = {
     "growth": _growth,
     "iterations": _iterations,
     "rise": _rise,

@@ -14,7 +14,7 @@ from coupler.preflight_rules_joint import ALPHA_REFUSE
 from coupler.stability import Boundary, agreement, find_boundaries, write_map
 from coupler.stability_lattice import largest_courant, wave_numbers
 from coupler.stability_map import load_map, shipped_maps
-from coupler.stability_runs import DIED_OUT, boundary, cell_scene, growth_of, measure, rise_of
+from coupler.stability_runs import DIED_OUT, MEASURES, Watched, boundary, cell_scene, growth_of, measure, rise_of
 from coupler.stability_theory import THEORIES, acoustic, growth, incompressible, lagged_column, largest_stable
 from shared.contract import BadInput
 from shared.kernels import kernel_named
@@ -167,6 +167,14 @@ def test_runs_grow_past_the_boundary_and_not_before():
     rates = [measure(cell, given.criterion) for cell in cells]
     assert rates[0] < 0.0 < rates[1]
     assert lagged_column(cells[0], 0.4) == pytest.approx(5.0, rel=1e-6)
+
+
+def test_iterations_count_the_window_that_takes_most():
+    """What follows a window that did not converge may converge on nonsense."""
+    given = load_map("implicit_sph")
+    watched = Watched()
+    watched.iterations = [60, 9]
+    assert MEASURES["iterations"](watched, given.criterion, None) > given.criterion.limit
 
 
 def test_relaxation_flips_where_theory_says():
