@@ -22,12 +22,16 @@ from solid_solver.interface import damped_kick, describe, kinematics_over_window
 from solid_solver.loads import scheduled_loads
 from solid_solver.probes import Observed, kinetic_energy, solid_probes, wants_work
 from solid_solver.updated_fields import AX, RHO, M, U, V, X, Y
-from solid_solver.updated_observe import failure, strain_energy, stresses, tracers
+from solid_solver.updated_observe import failure, side_by_side, strain_energy, stresses, tracers
 from solid_solver.updated_start import start
 from solid_solver.updated_stepper import Stepper
 
 PARALLEL_FROM = 3000
 """Particles from which a second thread pays, also beside a busy fluid."""
+
+
+_BESIDE = 1.2
+"""Distance over the spacing within which particles of a lattice stand side by side; across they stand 1.41 apart."""
 
 
 class UpdatedLagrangian:
@@ -55,6 +59,8 @@ class UpdatedLagrangian:
         numba.set_num_threads(self._threads)
         viscosity = solid.alpha * self._s.h * math.sqrt(self._moduli()[1])
         self._stepper = Stepper(self._s, solid.shifting, viscosity, self._moduli())
+        reach = _BESIDE * float(self._s.spacing[self._slot].max())
+        self._pairs = side_by_side(self._S[X : Y + 1], self._slot, self._s.storage.extents, reach)
         self._at_once(0.0)
         self._energy_at_start = np.array([self._kinetic(k) + self._strain_energy(k) for k in range(len(self._bodies))])
 
@@ -108,7 +114,7 @@ class UpdatedLagrangian:
         self._stepper.list_pairs(self._stepper.listed_at)
 
     def check(self) -> None:
-        found = failure(self._S, self._slot, self._stepper.gauge, self._scene.solid.density)
+        found = failure(self._S, self._slot, self._stepper.gauge, self._scene.solid.density, self._pairs)
         if found is None:
             return
         what, particle = found

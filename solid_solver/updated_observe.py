@@ -7,6 +7,7 @@
 from __future__ import annotations
 
 import numpy as np
+from scipy.spatial import cKDTree
 
 from solid_solver.energies import stress_energy
 from solid_solver.stresses import stress_fields
@@ -16,6 +17,10 @@ from solid_solver.updated_steps import NEAREST2
 
 FRACTURE_GAP = 2.0
 """Distance to the nearest particle, over the spacing, past which the body has come apart."""
+
+TORN = 2.5
+"""Distance of two particles that stood side by side, over that at the start, past which the body is torn between them:
+further than most kernels reach. A row that parts from the next keeps its own neighbours, so that no gap shows."""
 
 PAIRED_GAP = 0.1
 """The same, below which two particles have paired; the stable step goes with it, to nothing."""
@@ -50,8 +55,29 @@ def stresses(S: np.ndarray, free: np.ndarray, moduli: tuple) -> dict[str, np.nda
     return stress_fields(xx - pressure, yy - pressure, zz - pressure, xy.copy())
 
 
-def failure(S: np.ndarray, free: np.ndarray, gauge: np.ndarray, reference: float) -> tuple[str, int] | None:
-    """What has gone wrong, and the number of a particle where; None if nothing. `reference`: ρ0 [kg/m³]."""
+def side_by_side(x: np.ndarray, free: np.ndarray, extents: list[tuple[int, int]], reach: float) -> tuple:
+    """Pairs of a body's particles at `x` (2, slots) nearer than `reach` [m], one of them in `free` at least: numbers in
+    `free` of the first (k,), slots (k, 2), squared distance (k,) [m²]."""
+    number = np.full(x.shape[1], -1)
+    number[free] = np.arange(len(free))
+    pairs = [
+        base + cKDTree(x[:, base : base + size].T).query_pairs(reach, output_type="ndarray") for base, size in extents
+    ]
+    slots = np.concatenate(pairs)
+    slots = np.where((number[slots[:, 0]] < 0)[:, None], slots[:, ::-1], slots)
+    slots = slots[number[slots[:, 0]] >= 0]
+    return number[slots[:, 0]], slots, _squared(x, slots)
+
+
+def _squared(x: np.ndarray, slots: np.ndarray) -> np.ndarray:
+    return np.sum((x[:, slots[:, 0]] - x[:, slots[:, 1]]) ** 2, axis=0)
+
+
+def failure(
+    S: np.ndarray, free: np.ndarray, gauge: np.ndarray, reference: float, pairs: tuple
+) -> tuple[str, int] | None:
+    """What has gone wrong, and the number of a particle where; None if nothing. `reference`: ρ0 [kg/m³]; `pairs`: of
+    `side_by_side` at the start."""
     density, gap = S[RHO, free], np.sqrt(gauge[NEAREST2, free])
     finite = np.isfinite(density + S[SXX : SZZ + 1, free].sum(axis=0))
     if not finite.all():
@@ -62,6 +88,13 @@ def failure(S: np.ndarray, free: np.ndarray, gauge: np.ndarray, reference: float
     if gap.max() > FRACTURE_GAP:
         particle = int(np.argmax(gap))
         return f"the nearest particle is {gap[particle]:.2g} spacings away (fracture)", particle
+    first, slots, squared = pairs
+    apart = np.sqrt(_squared(S[X : Y + 1], slots) / squared)
+    if apart.max(initial=0.0) > TORN:
+        torn = int(np.argmax(apart))
+        return f"particles side by side are {apart[torn]:.2g} times as far apart as at the start (fracture)", int(
+            first[torn]
+        )
     if gap.min() < PAIRED_GAP:
         particle = int(np.argmin(gap))
         return f"the nearest particle is {gap[particle]:.2g} spacings away (pairing, which ends in fracture)", particle

@@ -106,6 +106,17 @@ def test_fracture_is_reported():
         model.check()
 
 
+def test_a_body_torn_between_two_rows_is_reported():
+    """Each half keeps its own neighbours, so that no particle is far from the nearest one."""
+    model = make_model(solid_scene(model="ctvf"), False, 1)
+    model.begin(None)
+    x = model._S[X, model._slot]
+    model._S[X, model._slot] = np.where(x > x.mean(), x + 0.5 * np.ptp(x), x)
+    model._stepper.list_pairs(model._S[X : Y + 1])
+    with pytest.raises(SolverFailed, match=r"side by side .* \(fracture\)"):
+        model.check()
+
+
 @pytest.mark.slow
 def test_the_method_as_printed_breaks_a_pulled_strip_without_shifting():
     scene = load_scene("stretched_strip", ["solid.model=ctvf", "solid.gradient=printed", "solid.shifting=false"])
