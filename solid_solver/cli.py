@@ -8,6 +8,7 @@ from typing import Annotated
 import typer
 
 from shared.commands import default_threads, run_app
+from shared.schema_solid import Solid
 from shared.solver_cli import solver_app
 from solid_solver.bench import run_benchmark
 from solid_solver.models import make_model
@@ -16,7 +17,8 @@ from solid_solver.updated_start import ORDERS
 app = solver_app("solid", make_model)
 ModelName = StrEnum("ModelName", {name: name for name in ("total-lagrangian", "ctvf", "beam")})
 GradientName = StrEnum("GradientName", {name: name for name in ORDERS})
-DEFAULT_MODEL, DEFAULT_GRADIENT = ModelName("total-lagrangian"), GradientName("linear")
+DEFAULT_MODEL = ModelName("total-lagrangian")
+DEFAULT_GRADIENT = GradientName(Solid.model_fields["gradient"].default)
 
 
 @app.command("bench")

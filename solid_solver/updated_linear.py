@@ -6,9 +6,9 @@ import numpy as np
 
 from shared.jit import inline_njit, ordered_njit
 from solid_solver.blocks import CHUNK, GROUP, RUN
-from solid_solver.updated_fields import ACTS, AX, AY, E0, E1, G00, G01, G10, G11, IRHO, OWN, RHO, SXX, SXY, SYY, SZZ, M
-from solid_solver.updated_material import by_middle, carried, spin, turned_stress
-from solid_solver.updated_pairs import OWN_SIZE, PAIR_SIZE, force_pair, gradient_pair, load_own
+from solid_solver.updated_fields import ACTS, AX, AY, OWN, RHO, M
+from solid_solver.updated_material import deformed
+from solid_solver.updated_pairs import OWN_SIZE, PAIR_SIZE, force_pair, gradient_pair, load_own, load_rows, store_rows
 
 Q0, Q1, W0, W1, W, T00, T01, T10, T11, P0, P1 = range(OWN, OWN + 11)
 """Planes of Q; of Σ m F r and Σ m F; of the fluxes."""
@@ -82,25 +82,14 @@ def _material(d, count, material, dt, corrected):
         k = 4.0 / max(m00 + m11, _SINGULAR)
         l0 = k * (step * d[10 * RUN + l] - a * s0 - b * s1)
         l1 = k * (step * d[11 * RUN + l] - c * s0 - e * s1)
-        d[at + G00 * RUN], d[at + G01 * RUN] = a * rate, b * rate
-        d[at + G10 * RUN], d[at + G11 * RUN] = c * rate, e * rate
-        rho = d[at + RHO * RUN] * ((1.0 - a) * (1.0 - e) - b * c)
-        irho = 1.0 / rho
-        d[at + RHO * RUN], d[at + IRHO * RUN] = rho, irho
-        d[at + E0 * RUN], d[at + E1 * RUN] = carried(d[at + E0 * RUN], d[at + E1 * RUN], a, b, c, e)
-        middle = by_middle(a, b, c, e)
-        stress = (d[at + SXX * RUN], d[at + SXY * RUN], d[at + SYY * RUN], d[at + SZZ * RUN])
-        xx, xy, yy, zz = turned_stress(stress, middle, shear)
-        d[at + SXX * RUN], d[at + SXY * RUN], d[at + SYY * RUN], d[at + SZZ * RUN] = xx, xy, yy, zz
-        cosine, sine = spin(middle)
+        xx, xy, yy, irho, cosine, sine = deformed(d, at, (a, b, c, e), rate, shear, c_squared, rho0)
         gain = bending * d[at + M * RUN] * irho / 12.0
         q0, q1 = d[at + Q0 * RUN], d[at + Q1 * RUN]
         q0, q1 = cosine * q0 - sine * q1 + gain * l0, sine * q0 + cosine * q1 + gain * l1
         d[at + Q0 * RUN], d[at + Q1 * RUN] = q0, q1
-        pressure = c_squared * (rho - rho0)
         per = irho * irho * d[at + ACTS * RUN]
-        t00, t01 = per * (xx - pressure - k * q0 * s0), per * (xy - k * q0 * s1)
-        t10, t11 = per * (xy - k * q1 * s0), per * (yy - pressure - k * q1 * s1)
+        t00, t01 = per * (xx - k * q0 * s0), per * (xy - k * q0 * s1)
+        t10, t11 = per * (xy - k * q1 * s0), per * (yy - k * q1 * s1)
         d[at + T00 * RUN], d[at + T01 * RUN] = t00 * i00 + t01 * i01, t00 * i01 + t01 * i11
         d[at + T10 * RUN], d[at + T11 * RUN] = t10 * i00 + t11 * i01, t10 * i01 + t11 * i11
         d[at + P0 * RUN], d[at + P1 * RUN] = per * k * q0, per * k * q1
@@ -121,13 +110,9 @@ def linear_stress(chunk, blocks, S, code, h, material, dt, corrected):
                 pair = pairs[g * PAIR_SIZE : (g + 1) * PAIR_SIZE]
                 gradient_pair(pair, own, S, s + blocks.distance[k + g], count, code, h)
             _add_gradient(d, pairs, count)
-        for row in range(M, ROWS):
-            for l in range(count):
-                d[_AT + row * RUN + l] = S[row, s + l]
+        load_rows(d, _AT, S, s, count, ROWS)
         _material(d, count, material, dt, corrected)
-        for row in range(RHO, ROWS):
-            for l in range(count):
-                S[row, s + l] = d[_AT + row * RUN + l]
+        store_rows(d, _AT, S, s, count, ROWS)
 
 
 @inline_njit

@@ -11,6 +11,8 @@ error (Hughes & Winget 1980): one set of neighbour sums, at the end of the step,
 from __future__ import annotations
 
 from shared.jit import inline_njit
+from solid_solver.blocks import RUN
+from solid_solver.updated_fields import E0, E1, G00, G01, G10, G11, IRHO, RHO, SXX, SXY, SYY, SZZ
 
 
 @inline_njit
@@ -52,3 +54,24 @@ def carried(e0, e1, a, b, c, d):
     """F e: the offset from a particle to its material tracer after a step with L = (a, b, c, d)."""
     per = 1.0 / ((1.0 - a) * (1.0 - d) - b * c)
     return per * ((1.0 - d) * e0 + b * e1), per * (c * e0 + (1.0 - a) * e1)
+
+
+@inline_njit
+def deformed(d, at, step, rate, shear, c_squared, rho0):
+    """Rows ∂_j u_i, ρ, 1/ρ, tracer offset and S of the particle whose rows stand in `d` from `at` on, after a step.
+
+    `step`: L (4); `rate`: 1/Δt [1/s]. Returns σ = S − p I as xx, xy, yy, 1/ρ, and the cosine and sine of the turn.
+    """
+    a, b, c, e = step
+    d[at + G00 * RUN], d[at + G01 * RUN] = a * rate, b * rate
+    d[at + G10 * RUN], d[at + G11 * RUN] = c * rate, e * rate
+    rho = d[at + RHO * RUN] * ((1.0 - a) * (1.0 - e) - b * c)
+    d[at + RHO * RUN], d[at + IRHO * RUN] = rho, 1.0 / rho
+    d[at + E0 * RUN], d[at + E1 * RUN] = carried(d[at + E0 * RUN], d[at + E1 * RUN], a, b, c, e)
+    middle = by_middle(a, b, c, e)
+    stress = (d[at + SXX * RUN], d[at + SXY * RUN], d[at + SYY * RUN], d[at + SZZ * RUN])
+    xx, xy, yy, zz = turned_stress(stress, middle, shear)
+    d[at + SXX * RUN], d[at + SXY * RUN], d[at + SYY * RUN], d[at + SZZ * RUN] = xx, xy, yy, zz
+    cosine, sine = spin(middle)
+    pressure = c_squared * (rho - rho0)
+    return xx - pressure, xy, yy - pressure, 1.0 / rho, cosine, sine

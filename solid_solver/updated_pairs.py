@@ -9,7 +9,7 @@ from __future__ import annotations
 from shared.jit import inline_njit
 from shared.kernels import kernel_f, kernel_w
 from solid_solver.blocks import RUN
-from solid_solver.updated_fields import IRHO, M, U, V, X, Y
+from solid_solver.updated_fields import IRHO, RHO, M, U, V, X, Y
 
 OWN_SIZE = 5 * RUN
 PAIR_SIZE = 5 * RUN
@@ -28,6 +28,22 @@ def load_own(own, S, s, count):
         own[3 * RUN + l] = S[V, s + l]
     for l in range(count):
         own[4 * RUN + l] = S[IRHO, s + l]
+
+
+@inline_njit
+def load_rows(d, at, S, s, count, end):
+    """The block's rows of the state from M up to `end` into `d`, row number r at `at` + r RUN."""
+    for row in range(M, end):
+        for l in range(count):
+            d[at + row * RUN + l] = S[row, s + l]
+
+
+@inline_njit
+def store_rows(d, at, S, s, count, end):
+    """Back into the state, from ρ on: what a step changes."""
+    for row in range(RHO, end):
+        for l in range(count):
+            S[row, s + l] = d[at + row * RUN + l]
 
 
 @inline_njit

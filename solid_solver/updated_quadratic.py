@@ -6,10 +6,10 @@ import numpy as np
 
 from shared.jit import inline_njit, ordered_njit
 from solid_solver.blocks import CHUNK, GROUP, RUN
-from solid_solver.updated_fields import ACTS, AX, AY, E0, E1, G00, G01, G10, G11, IRHO, OWN, RHO, SXX, SXY, SYY, SZZ, M
+from solid_solver.updated_fields import ACTS, AX, AY, OWN, RHO, M
 from solid_solver.updated_fit import SUMS, add_differences, add_moments, factors, solved
-from solid_solver.updated_material import by_middle, carried, spin, turned, turned_stress
-from solid_solver.updated_pairs import OWN_SIZE, PAIR_SIZE, fit_force_pair, fit_pair, load_own
+from solid_solver.updated_material import deformed, turned
+from solid_solver.updated_pairs import OWN_SIZE, PAIR_SIZE, fit_force_pair, fit_pair, load_own, load_rows, store_rows
 from solid_solver.updated_pull import pull, pulled, spread
 
 Z0, Z1, Z2, Z3, Z4, Z5, W0, W1, W2, W3, W4, P0, P1, P2, P3, P4, R0, R1, R2, R3, R4, PULL = range(OWN, OWN + 22)
@@ -37,17 +37,7 @@ def _material(d, count, material, h, dt):
         r0, r1, r2, r3, r4 = d[19 * RUN + l], d[20 * RUN + l], d[21 * RUN + l], d[22 * RUN + l], d[23 * RUN + l]
         c, e, y00, y01, y11 = solved(fit, step * r0, step * r1, step * r2, step * r3, step * r4)
         a, b, c, e = per_h * a, per_h * b, per_h * c, per_h * e
-        d[at + G00 * RUN], d[at + G01 * RUN] = a * rate, b * rate
-        d[at + G10 * RUN], d[at + G11 * RUN] = c * rate, e * rate
-        rho = d[at + RHO * RUN] * ((1.0 - a) * (1.0 - e) - b * c)
-        irho = 1.0 / rho
-        d[at + RHO * RUN], d[at + IRHO * RUN] = rho, irho
-        d[at + E0 * RUN], d[at + E1 * RUN] = carried(d[at + E0 * RUN], d[at + E1 * RUN], a, b, c, e)
-        middle = by_middle(a, b, c, e)
-        stress = (d[at + SXX * RUN], d[at + SXY * RUN], d[at + SYY * RUN], d[at + SZZ * RUN])
-        xx, xy, yy, zz = turned_stress(stress, middle, shear)
-        d[at + SXX * RUN], d[at + SXY * RUN], d[at + SYY * RUN], d[at + SZZ * RUN] = xx, xy, yy, zz
-        cosine, sine = spin(middle)
+        xx, xy, yy, irho, cosine, sine = deformed(d, at, (a, b, c, e), rate, shear, c_squared, rho0)
         p0, p1, p2 = turned(d[at + Z0 * RUN], d[at + Z1 * RUN], d[at + Z2 * RUN], cosine, sine)
         q0, q1, q2 = turned(d[at + Z3 * RUN], d[at + Z4 * RUN], d[at + Z5 * RUN], cosine, sine)
         gain = per_h2 * d[at + M * RUN] * irho / 12.0
@@ -61,18 +51,17 @@ def _material(d, count, material, h, dt):
         z5 = sine * p2 + cosine * q2 + t1 + 2.0 * g * y11
         d[at + Z0 * RUN], d[at + Z1 * RUN], d[at + Z2 * RUN] = z0, z1, z2
         d[at + Z3 * RUN], d[at + Z4 * RUN], d[at + Z5 * RUN] = z3, z4, z5
-        pressure = c_squared * (rho - rho0)
         per = irho * irho * d[at + ACTS * RUN]
         one, two = per * per_h, per * per_h2
-        tension, n = pull(xx - pressure, xy, yy - pressure)
+        tension, n = pull(xx, xy, yy)
         per_strain = 6.0 / (shear * d[at + M * RUN] * irho)
         k = h * h * tension * spread(d, l, n) * per_strain
         a0, a1, a2, a3, a4, a5, energy = pulled(z0, z1, z2, z3, z4, z5, n, k, share)
         d[at + PULL * RUN] = per_strain * energy
         z0, z1, z2, z3, z4, z5 = z0 + a0, z1 + a1, z2 + a2, z3 + a3, z4 + a4, z5 + a5
-        r0, r1, r2, r3, r4 = solved(fit, one * (xx - pressure), one * xy, two * z0, two * (z1 + z3), two * z4)
+        r0, r1, r2, r3, r4 = solved(fit, one * xx, one * xy, two * z0, two * (z1 + z3), two * z4)
         d[at + P0 * RUN], d[at + P1 * RUN], d[at + P2 * RUN], d[at + P3 * RUN], d[at + P4 * RUN] = r0, r1, r2, r3, r4
-        r0, r1, r2, r3, r4 = solved(fit, one * xy, one * (yy - pressure), two * z1, two * (z2 + z4), two * z5)
+        r0, r1, r2, r3, r4 = solved(fit, one * xy, one * yy, two * z1, two * (z2 + z4), two * z5)
         d[at + R0 * RUN], d[at + R1 * RUN], d[at + R2 * RUN], d[at + R3 * RUN], d[at + R4 * RUN] = r0, r1, r2, r3, r4
         d[at + W0 * RUN], d[at + W1 * RUN] = d[12 * RUN + l], d[13 * RUN + l]
         d[at + W2 * RUN], d[at + W3 * RUN], d[at + W4 * RUN] = 0.5 * d[l], d[RUN + l], 0.5 * d[2 * RUN + l]
@@ -93,13 +82,9 @@ def quadratic_stress(chunk, blocks, S, code, h, material, dt):
                 fit_pair(pair, own, S, s + blocks.distance[k + g], count, code, h)
             add_moments(d, pairs, count)
             add_differences(d, pairs, count)
-        for row in range(M, ROWS):
-            for l in range(count):
-                d[_AT + row * RUN + l] = S[row, s + l]
+        load_rows(d, _AT, S, s, count, ROWS)
         _material(d, count, material, h, dt)
-        for row in range(RHO, ROWS):
-            for l in range(count):
-                S[row, s + l] = d[_AT + row * RUN + l]
+        store_rows(d, _AT, S, s, count, ROWS)
 
 
 @inline_njit

@@ -12,7 +12,7 @@ import numpy as np
 from solid_solver.shifting import NEEDED, shift
 from solid_solver.updated_fields import X, Y
 from solid_solver.updated_start import Start
-from solid_solver.updated_steps import CROWDED, NEAREST2, OUTGROWN, linear_steps, needs, quadratic_steps
+from solid_solver.updated_steps import CROWDED, NEAREST2, OUTGROWN, needs, steps
 
 
 class Stepper:
@@ -34,7 +34,7 @@ class Stepper:
         """Advance by all sub-steps, listing pairs and shifting in between as needed."""
         s = self._s
         held = s.storage.held, places
-        steps = quadratic_steps if s.order == 2 else linear_steps
+        corrected = None if s.order == 2 else float(s.order)
         done = 0
         while done < len(places) - 1:
             found = needs(self.blocks, s.S, *self._watch)
@@ -42,8 +42,8 @@ class Stepper:
                 self.list_pairs(s.S[X : Y + 1])
             if found & self._heeded & CROWDED:
                 shift(s.S, self.blocks, s.spacing, s.curvature, *self._kernel)
-            numbers = dt, self._viscosity, self._moduli, 1.0 if s.order else 0.0, done
-            done = steps(s.S, self.blocks, (*self._watch, self._heeded), self._kernel, held, loads, kick, numbers)
+            numbers, watch = (dt, self._viscosity, self._moduli, done), (*self._watch, self._heeded)
+            done = steps(s.S, self.blocks, watch, self._kernel, held, loads, kick, numbers, corrected)
 
     def list_pairs(self, at: np.ndarray) -> None:
         """Make the lists of neighbours for places `at` (2, slots)."""

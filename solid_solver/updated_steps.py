@@ -114,19 +114,20 @@ def needs(blocks, S, gauge, closest, reach, crowded):
 
 
 @ordered_parallel_njit
-def linear_steps(S, blocks, watch, kernel, held, loads, kick, numbers):
+def steps(S, blocks, watch, kernel, held, loads, kick, numbers, corrected):
     """Take steps until the loads' shares are used up or the pairs call for something; returns the next step's number.
 
     `watch`: gauge, closest (blocks,), reach [m], distance over s of a pair that is crowded, which needs are heeded;
     `kernel`: code, h; `held`: slots of the fixed particles, and their places after each step (steps + 1, 2, m), m = 0
     if they stand still; `loads`: steady (2, slots), ramped (g, 2, slots), shares (steps + 1, g); `kick`: (e, τφ) of
-    half a step; `numbers`: dt, α h c, material, whether the gradient is corrected (1 or 0), first step to take.
+    half a step; `numbers`: dt, α h c, material, first step to take; `corrected`: None for the quadratic gradient (the
+    other branch is then not compiled), 1 for the linear, 0 for the printed one.
     """
     gauge, closest, reach, crowded, heeded = watch
     code, h = kernel
     slots, places = held
     steady, ramped, shares = loads
-    dt, viscosity, material, corrected, begin = numbers
+    dt, viscosity, material, begin = numbers
     chunks = (blocks.start.size + CHUNK - 1) // CHUNK
     for n in range(begin, shares.shape[0] - 1):
         if n > begin and n % CADENCE == 0:
@@ -136,34 +137,15 @@ def linear_steps(S, blocks, watch, kernel, held, loads, kick, numbers):
                 return n
         _kicked(S, blocks, steady, ramped, shares[n], kick)
         _drifted(S, blocks, slots, places[n + 1], dt)
-        for chunk in prange(chunks):
-            linear_stress(chunk, blocks, S, code, h, material, dt, corrected)
-        for chunk in prange(chunks):
-            linear_forces(chunk, blocks, S, code, h, viscosity)
-        _kicked(S, blocks, steady, ramped, shares[n + 1], kick)
-    return shares.shape[0] - 1
-
-
-@ordered_parallel_njit
-def quadratic_steps(S, blocks, watch, kernel, held, loads, kick, numbers):
-    """As `linear_steps`, with the quadratic gradient."""
-    gauge, closest, reach, crowded, heeded = watch
-    code, h = kernel
-    slots, places = held
-    steady, ramped, shares = loads
-    dt, viscosity, material, _, begin = numbers
-    chunks = (blocks.start.size + CHUNK - 1) // CHUNK
-    for n in range(begin, shares.shape[0] - 1):
-        if n > begin and n % CADENCE == 0:
-            for k in prange(blocks.start.size):
-                closest[k] = _look(k, blocks, S, gauge)
-            if _needs(blocks, S, gauge, closest, reach, crowded) & heeded:
-                return n
-        _kicked(S, blocks, steady, ramped, shares[n], kick)
-        _drifted(S, blocks, slots, places[n + 1], dt)
-        for chunk in prange(chunks):
-            quadratic_stress(chunk, blocks, S, code, h, material, dt)
-        for chunk in prange(chunks):
-            quadratic_forces(chunk, blocks, S, code, h, viscosity)
+        if corrected is None:
+            for chunk in prange(chunks):
+                quadratic_stress(chunk, blocks, S, code, h, material, dt)
+            for chunk in prange(chunks):
+                quadratic_forces(chunk, blocks, S, code, h, viscosity)
+        else:
+            for chunk in prange(chunks):
+                linear_stress(chunk, blocks, S, code, h, material, dt, corrected)
+            for chunk in prange(chunks):
+                linear_forces(chunk, blocks, S, code, h, viscosity)
         _kicked(S, blocks, steady, ramped, shares[n + 1], kick)
     return shares.shape[0] - 1
