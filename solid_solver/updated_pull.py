@@ -14,9 +14,12 @@ and the sooner the finer the rows. The cure resists by what feeds: where Z_k = V
     A_k = σ₁ T N_kl N ε,l N,   N = σ₊/σ₁
 
 with σ₊ the stress without its pressures and σ₁ its largest value (N = n ⊗ n of a pull along n, N = I of an equal pull
-along all directions). Half of A would balance a zigzag's gain to first order; all of it holds to σ = 0.4 E at least, at
-any ν. A has an energy of its own, A:∇ε/2. It is no stress of the material: it goes with dx², and where nothing pulls
-there is none.
+along all directions). Half of A would balance a zigzag's gain to first order; all of it holds a block between clamps to
+σ = 0.37 E at least (ν 0 to 0.45). A has an energy of its own, A:∇ε/2. It is no stress of the material: it goes with
+dx², and where nothing pulls there is none.
+
+It does not help a free face that its own load pulls at: there the fit rests on the second row's distance alone, by
+weights that vanish as it grows. With h = 1.3 dx such a face holds to 0.08 E, with h = 1.5 dx to 0.2 E.
 """
 
 from __future__ import annotations
