@@ -1,7 +1,8 @@
 """`coupler chart`: error against cost over the variants of a case's study.
 
 Error: of the goal's statistic of the goal's probe, against the study's truth. Cost: processor seconds of stepping, both
-sides together; loading and compiling are left out. The Pareto front holds the variants that no other beats in both.
+sides together; loading, compiling and output are left out. The Pareto front holds the variants that no other beats in
+both.
 """
 
 from __future__ import annotations

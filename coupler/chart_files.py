@@ -51,8 +51,8 @@ def chart_page(chart: Chart, command: str) -> str:
         f"# {chart.scene.title}: error against cost",
         "",
         f"Made by `{command}`. Error: of the {goal.statistic} of {goal.probe}, against {chart.truth} "
-        f"({chart.truth_value:.6g}). Stepping: processor time of both sides, one thread each, without start-up; core-s "
-        "holds that too. Bold: the Pareto front. Predicted: what `coupler check` says of the variant.",
+        f"({chart.truth_value:.6g}). Stepping: processor time of both sides, one thread each, without start-up and "
+        "output; core-s holds these too. Bold: the Pareto front. Predicted: what `coupler check` says of the variant.",
         "",
         "| family | settings | value | error | predicted bound | stepping, core-s | core-s | predicted core-s |",
         "|---|---|---|---|---|---|---|---|",

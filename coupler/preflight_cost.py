@@ -1,8 +1,8 @@
 """Predicted cost of a run in core-seconds: steps × (time per step + time per particle), on a machine like the one the
 table was measured on, times how much slower this one is, which a short calibration tells.
 
-The table: one core of an AVX-512 machine shared with others, processor time of solvers run alone at 1.7 k to 51 k fluid
-and 0.5 k to 6.7 k solid particles.
+The table: one core of an AVX-512 machine shared with others, processor time of the runs of the charts in cases/results/
+(0.5 k to 25 k fluid and 0.1 k to 6.7 k solid particles).
 """
 
 from __future__ import annotations
@@ -20,15 +20,17 @@ from shared.sides import probe_rows
 
 STEP_S = {"ctvf": 5e-5, "wcsph": 8e-5, "still": 1e-4, "column": 1e-4}
 """Per fluid step, whatever its size."""
-PARTICLE_S = {"ctvf": 3.0e-7, "wcsph": 2.1e-7, "still": 0.0, "column": 0.0}
-"""Per fluid particle and step, Wendland C2 at h = 1.3 dx; others in proportion to their neighbours."""
-SOLID_STEP_S = {"total-lagrangian": 3e-6, "ctvf": 5e-5, "beam": 3e-5, "rigid": 2e-5, "spring": 5e-5}
-SOLID_PARTICLE_S = {"total-lagrangian": 7.5e-8, "ctvf": 2.4e-7, "beam": 2.5e-7, "rigid": 0.0, "spring": 0.0}
+PARTICLE_S = {"ctvf": 2.8e-7, "wcsph": 2.2e-7, "still": 0.0, "column": 0.0}
+"""Per fluid particle and step, Wendland C2 at h = 1.3 dx."""
+PAIR_SHARE = 0.6  # of that goes to pairs, in proportion to a particle's neighbours
+SOLID_STEP_S = {"total-lagrangian": 1.6e-5, "ctvf": 5e-5, "beam": 3e-5, "rigid": 2e-5, "spring": 5e-5}
+SOLID_PARTICLE_S = {"total-lagrangian": 8e-8, "ctvf": 2.4e-7, "beam": 2.5e-7, "rigid": 0.0, "spring": 0.0}
 LINEAR_SHARE = 0.8  # of the quadratic gradient's cost per particle, model ctvf of the solid
-WINDOW_S = 4e-4
-"""Per coupling window, both sides: messages, bookkeeping."""
-BEAM_WINDOW_S = 8e-4
-"""Besides, a window of the beam: it starts every window from its sections anew (dam_break_plate, 0.7 to 0.9 ms)."""
+WINDOW_S = 1e-3
+"""Per coupling window, both sides: messages, bookkeeping (dam_break_plate, 0.5 ms on either)."""
+ALONE_SHARE = 0.3  # of it, that a row of probes costs a side alone
+BEAM_WINDOW_S = 2e-4
+"""Besides, a window of the beam: it starts every window from its sections anew (dam_break_plate)."""
 ITERATIONS = 3.0
 """Of a window of an implicit scheme."""
 START_S = 1.6
@@ -69,7 +71,7 @@ def predicted_cost(scene: Scene, n: Numbers, slower: float = 1.0) -> Cost:
             each *= LINEAR_SHARE
         work += solid_steps * (SOLID_STEP_S[model] + each * n.plate.particles)
     sides = (n.water is not None) + (n.plate is not None)
-    work += windows * WINDOW_S * (1.0 if sides == 2 else 0.3)
+    work += windows * WINDOW_S * (1.0 if sides == 2 else ALONE_SHARE)
     if sides == 2 and n.plate.model == "beam":
         work += windows * BEAM_WINDOW_S
     if sides == 2 and expected_plan(scene, n).scheme.endswith("implicit"):
@@ -82,8 +84,9 @@ def _developed_step(n: Numbers) -> float:
 
 
 def _weighted(n: Numbers) -> float:
-    """Particles, weighted by their number of neighbours."""
-    return n.water.particles * (n.water.support / n.water.dx / _NEIGHBOURS_RADIUS) ** 2
+    """Particles, weighted by what their number of neighbours costs."""
+    pairs = (n.water.support / n.water.dx / _NEIGHBOURS_RADIUS) ** 2
+    return n.water.particles * (1.0 - PAIR_SHARE + PAIR_SHARE * pairs)
 
 
 def calibrate() -> float:

@@ -6,10 +6,11 @@ window, keeps the copy that `rollback` returns to, writes frames and evaluates p
 
 from __future__ import annotations
 
+import contextlib
 import logging
 import resource
 import time
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from pathlib import Path
 
 import numpy as np
@@ -55,7 +56,7 @@ class Participant:
         self._substeps = 0
         self._saved: dict[str, np.ndarray] | None = None
         self._busy, self._writing = 0.0, 0.0  # time spent in steps, and in probes, frames and checkpoints [s]
-        self._core_at_start = 0.0
+        self._core_at_start, self._core_writing = 0.0, 0.0  # processor time: before the first step, and of output [s]
         self._outgrown = 0
         self._earlier = dict.fromkeys(_COSTS, 0.0)  # of a run that this one goes on with
 
@@ -133,25 +134,24 @@ class Participant:
     def accept(self) -> dict[str, float] | None:
         """Make the window final: writes the frame due; returns the probes when a row is due."""
         self._need(self._stage == "advanced", "accept", "there is no advanced window to accept")
-        begun, index = time.perf_counter(), self._next
+        index = self._next
         if self._places is not None:
             self._places = self._places[1], self._places[1]
         self._next, self._saved, self._stage = index + 1, None, "ready"
-        if self._writer is not None and self._clock.crosses(index, self._frames):
-            self._writer.append(self._clock.time(index + 1), self.model.frame())
-        row = self.model.probe_values() if self._clock.crosses(index, self._probe_rows) else None
-        self._writing += time.perf_counter() - begun
-        return row
+        with self._timed_output():
+            if self._writer is not None and self._clock.crosses(index, self._frames):
+                self._writer.append(self._clock.time(index + 1), self.model.frame())
+            return self.model.probe_values() if self._clock.crosses(index, self._probe_rows) else None
 
     def save(self, path: str | Path) -> None:
         """Write the complete state, and what it has cost so far, to the HDF5 file `path`."""
         self._need(self._stage == "ready", "save", self._why_not_ready())
-        begun = time.perf_counter()
-        state = under("model", self.model.state()) | under("cost", {n: np.array(v) for n, v in self._costs().items()})
-        if self._places is not None:
-            state["places"] = self._places[0]
-        write_state(Path(path), state | {"window": np.array(self._next)})
-        self._writing += time.perf_counter() - begun
+        with self._timed_output():
+            costs = {n: np.array(v) for n, v in self._costs().items()}
+            state = under("model", self.model.state()) | under("cost", costs)
+            if self._places is not None:
+                state["places"] = self._places[0]
+            write_state(Path(path), state | {"window": np.array(self._next)})
 
     def load(self, path: str | Path) -> None:
         """Take the state, and the number of the next window, from the HDF5 file `path`."""
@@ -200,6 +200,14 @@ class Participant:
             self._writer.close()
             self._writer = None
 
+    @contextlib.contextmanager
+    def _timed_output(self) -> Iterator[None]:
+        """Counts the time spent inside as output."""
+        begun, core = time.perf_counter(), time.process_time()
+        yield
+        self._writing += time.perf_counter() - begun
+        self._core_writing += time.process_time() - core
+
     def _costs(self) -> dict[str, float]:
         """What this side has cost so far, before a checkpoint that it went on from included."""
         usage = resource.getrusage(resource.RUSAGE_SELF)
@@ -209,7 +217,7 @@ class Participant:
             self._writing,
             self._outgrown,
             usage.ru_utime + usage.ru_stime,
-            time.process_time() - self._core_at_start,
+            time.process_time() - self._core_at_start - self._core_writing,
         )
         return {name: self._earlier[name] + value for name, value in zip(_COSTS, now, strict=True)}
 
