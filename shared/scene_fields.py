@@ -65,7 +65,7 @@ def _allowed(annotation: Any, metadata: Iterable[Any]) -> str:
     if origin is Literal:
         return " or ".join(f'"{part}"' if isinstance(part, str) else str(part) for part in parts)
     if origin is tuple:
-        return _NUMBERS[len(parts)]
+        return _NUMBERS[len(parts)] + _allowed(parts[0], []).removeprefix("number")
     if origin is list:
         least = next((m.min_length for m in metadata if hasattr(m, "min_length")), 0)
         return f"list of {_allowed(parts[0], [])}" + (f", at least {least}" if least else "")

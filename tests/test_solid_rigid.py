@@ -106,7 +106,7 @@ def test_motion_is_for_rigid_bodies(path):
 
 
 def test_negative_stiffness_is_refused(path):
-    with pytest.raises(BadInput, match=r"solid.spring.stiffness = \[0.0, -1.0, 0.0\]: must be three numbers"):
+    with pytest.raises(BadInput, match=r"solid.spring.stiffness = \[0.0, -1.0, 0.0\]: must be three numbers ≥ 0"):
         load_scene(path, ["solid.spring.stiffness=[0.0, -1.0, 0.0]"])
 
 
