@@ -18,7 +18,7 @@ from coupler.preflight_window import expected_plan, expected_window
 from shared.schema import Scene
 from shared.sides import probe_rows
 
-STEP_S = {"ctvf": 5e-5, "wcsph": 8e-5, "still": 1e-4, "column": 1e-4}
+STEP_S = {"ctvf": 4e-5, "wcsph": 4e-5, "still": 1e-4, "column": 1e-4}
 """Per fluid step, whatever its size."""
 PARTICLE_S = {"ctvf": 2.8e-7, "wcsph": 2.2e-7, "still": 0.0, "column": 0.0}
 """Per fluid particle and step, Wendland C2 at h = 1.3 dx."""
