@@ -11,8 +11,10 @@ Each part is measured on cases with a known answer (cases/results/structures.md 
     column             0.1 % of a mean or under a rigid body; 30 % of the swing of a plate that bends, whose water flows
                        sideways too (share of the first mode, coupler/preflight_numbers.py)
     water at rest      dx/H (ctvf), 3 dx/H (wcsph), a tenth with h = 2 dx  still_tank, soft_plate, hydrostatic_plate
-    flow               4.8 dx/d where water falls and splashes, d its least extent at t = 0; 0.5 dx/d (ctvf), 1.5 dx/d
-                       (wcsph) where it is held and swings or circulates; dam_break, dam_break_plate; standing_wave
+    flow               where water falls and splashes 3.8 dx/d, d its least extent at t = 0, of its front 1.4 dx/d; 0.5
+                       dx/d (ctvf), 1.5 dx/d (wcsph) where it is held and circulates     dam_break_plate, taylor_green
+    wave's period      380 (ctvf), 540 (wcsph) (dx/wavelength)³; 8 % more with less than 40 neighbours, whose lattice is
+                       stiff against small waves                                                         standing_wave
 
 A period or a time of a peak feels half the error of a stiffness. A mean feels what is left of the start-up swing.
 """
@@ -39,7 +41,9 @@ COLUMN = 0.3
 REST = {"ctvf": 1.0, "wcsph": 3.0}
 CROWD, CROWDED = 2.0, 0.1  # from this h/dx on a lattice of particles bears hardly any shear, and rest is as much better
 SMOOTH = {"ctvf": 0.5, "wcsph": 1.5}
-FLOW = 4.8
+WAVE = {"ctvf": 380.0, "wcsph": 540.0}
+LATTICE, LOOSE = 0.08, 3.5  # support over dx from which a lattice is loose enough for small waves
+FLOW, FRONT = 3.8, 1.4
 KEPT = {"total-lagrangian": 1e-12, "spring": 1e-12, "rigid": 1e-12, "beam": 1e-3, "ctvf": 1e-2}
 """What a model loses of a momentum, or of a stress carried round, that physics keeps."""
 BEAM_CONSERVES = ("momentum-x", "momentum-y", "angular-momentum")
@@ -101,7 +105,20 @@ def _fluid(scene: Scene, n: Numbers) -> float:
             return UNKNOWN
         crowded = CROWDED if scene.fluid.h_over_dx >= CROWD else 1.0
         return REST[water.model] * water.dx / water.height * crowded
-    return (SMOOTH[water.model] if water.held else FLOW) * water.dx / water.width
+    if scene.goal.statistic == "wave-period":
+        return WAVE[water.model] * (water.dx / _wavelength(scene, n)) ** 3 + (LATTICE if _stiff(n) else 0.0)
+    front = any(probe.name == scene.goal.probe and probe.quantity == "front-x" for probe in scene.probes)
+    return (SMOOTH[water.model] if water.held else FRONT if front else FLOW) * water.dx / water.width
+
+
+def _wavelength(scene: Scene, n: Numbers) -> float:
+    """The shortest wave's length [m] that the water starts with; without one its least extent."""
+    fields = (body.velocity_field for body in scene.fluid.bodies)
+    return min((field.wavelength for field in fields if field is not None), default=n.water.width)
+
+
+def _stiff(n: Numbers) -> bool:
+    return n.water.support < LOOSE * n.water.dx
 
 
 def _radiates(n: Numbers) -> bool:
