@@ -6,7 +6,7 @@ velocity then has, by the distances as they are, a cubic term as well, −H u'' 
 
     T = Σ w d⁴ / Σ w d²
 
-over the neighbours, and the forces, its transpose, feed the zigzag with the energy V σ T H²/2 that no strain answers
+over the neighbours, and the forces, its transpose, feed the zigzag with the energy V σ T H²/4 that no strain answers
 for. Only the stress that varies over a cell resists it, by V² E H²/24. So rows of particles that are pulled past
 σ ≈ 0.14 E break up (the tensile instability), those beside rows pulled less a little later: at a clamp's corner first,
 and the sooner the finer the rows. The cure resists by what feeds: where Z_k = V/12 C:ε,k, the forces get Z + A,
