@@ -83,7 +83,7 @@ def failure(
     if not finite.all():
         return "the state is not finite", int(np.argmin(finite))
     if density.min() < reference / DENSITY_RANGE or density.max() > reference * DENSITY_RANGE:
-        particle = int(np.argmax(np.abs(np.log(density / reference))))
+        particle = int(density.argmin() if density.min() < reference / DENSITY_RANGE else density.argmax())
         return f"the density is {density[particle]:.3g} kg/m³", particle
     if gap.max() > FRACTURE_GAP:
         particle = int(np.argmax(gap))

@@ -118,7 +118,7 @@ MODES = (
         "stretched_strip",
         spoil=("solid.model=ctvf", "solid.gradient=quadratic", "solid.h_over_dx=1.0"),
         cure=("solid.h_over_dx=1.3",),
-        said=r"The solid failed at t = .*solid\.gradient = ",
+        said=r"The solid failed at t = .*raise solid\.h_over_dx",
         shorten=("solid.dx=4e-3", "end_time=0.1", "output.average_from=0.0", "references=[]"),
     ),
     Mode(
