@@ -131,7 +131,9 @@ def test_an_interrupted_side_alone_keeps_all_it_has(tmp_path, words):
         process.send_signal(signal.SIGINT)
         code, errors = ended(process)
     finally:
-        process.kill()
+        for pid in [*children(process.pid).values(), process.pid]:
+            if not gone(pid):
+                os.kill(pid, signal.SIGKILL)
     assert code == 130
     assert "stopping after this window" in errors
     result = json.loads((out / "result.json").read_text())
