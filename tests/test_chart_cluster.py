@@ -124,6 +124,7 @@ def test_a_lost_worker_loses_its_variant_alone(study, cluster, tmp_path):
     cluster.wait_for_workers(2, timeout=60)
 
 
+@pytest.mark.slow
 def test_an_interrupted_chart_ends_what_it_has_sent(study, cluster, tmp_path):
     case = study(ENDLESS, QUICK)
     workers = worker_processes(cluster)
