@@ -92,9 +92,8 @@ def failure(
     apart = np.sqrt(_squared(S[X : Y + 1], slots) / squared)
     if apart.max(initial=0.0) > TORN:
         torn = int(np.argmax(apart))
-        return f"particles side by side are {apart[torn]:.2g} times as far apart as at the start (fracture)", int(
-            first[torn]
-        )
+        times = f"{apart[torn]:.2g} times as far apart as at the start"
+        return f"particles side by side are {times} (fracture)", int(first[torn])
     if gap.min() < PAIRED_GAP:
         particle = int(np.argmin(gap))
         return f"the nearest particle is {gap[particle]:.2g} spacings away (pairing, which ends in fracture)", particle

@@ -1,4 +1,5 @@
-"""What pre-flight predicts against what comes of it, on scenes that were not used in making its rules."""
+"""What pre-flight predicts against what comes of it. The wall and the flap had no part in making its rules; the gel dam
+broke the rule of its time and led to the one for clamps, so that it only guards that one."""
 
 from __future__ import annotations
 
