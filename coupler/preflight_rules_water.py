@@ -53,7 +53,7 @@ def froude(scene: Scene, n: Numbers) -> Finding | None:
 
 
 def courant_fluid(scene: Scene, n: Numbers) -> Finding | None:
-    """The fluid's step over h/(c0 + speed), against what was measured to be stable."""
+    """The fluid's step over h/(c0 + u), against what was measured to be stable."""
     if not of_particles(n):
         return None
     value, model = n.water.courant, n.water.model

@@ -29,11 +29,11 @@ _STIFF = 0.1
 _LAYERED = ("total-lagrangian", "ctvf")  # models of which every layer of particles moves by itself
 _MOST_STEPS = 4
 """Fluid steps in an automatic window: enough to make the exchange cheap beside the steps, few enough to be accurate."""
-_SPEED_UP = 0.25
-"""Speed over c0 that the flow is expected to reach (c0 is ten times the largest estimated, splashes are faster): the
-window holds whole steps at this speed, so that few windows are cut into one step more, which doubles what a window of
-one step costs. Measured on dam_break_plate at dx 5e-4: 0.21 when water strikes the plate, 0.14 to 0.19 for 0.1 s after;
-above 0.25 for a seventh of the time, when it strikes the far wall."""
+SPEED_UP = 0.2
+"""Speed over c0 at which neighbours meet that is expected of the flow: the window holds whole fluid steps at this speed
+(shared/fluid_step.py), so that few windows are cut into one step more, which doubles what a window of one step costs.
+Measured on dam_break_plate at dx 1e-3: 0.05 to 0.1 until 0.3 s, past 0.2 for a twelfth of the time, when the jet
+strikes the far wall; steps to 0.7 s are fewest from 0.2 to 0.25."""
 _LARGEST_ITERATED_ALPHA = 4.0
 """Largest α of an automatic window with iteration: a window must resolve the motion that it iterates on. Measured on a
 box of water that a light gate closes: α 13 grows although every window converges, 5.6 does not."""
@@ -70,7 +70,7 @@ def window_length(coupling: Coupling, fluid: Description, structure: Description
     ≤ 0.5 for a soft structure's outermost layer."""
     if coupling.window != "auto":
         return coupling.window
-    step = fluid.stable_step / (1.0 + _SPEED_UP)
+    step = fluid.stable_step / (1.0 + SPEED_UP)
     rate = alpha_rate(fluid, structure)
     longest = LARGEST_ALPHA / rate if rate > 0.0 else math.inf
     layer = rate * structure.numbers["thickness"] / structure.spacing
@@ -90,7 +90,7 @@ def make_plan(coupling: Coupling, fluid: Description, structure: Description, r:
     """Scheme and window of a run; `r`: the mass ratio."""
     rate = alpha_rate(fluid, structure)
     window = window_length(coupling, fluid, structure)
-    step = fluid.stable_step / (1.0 + _SPEED_UP)
+    step = fluid.stable_step / (1.0 + SPEED_UP)
     if coupling.scheme != "auto":
         if coupling.window == "auto" and coupling.scheme.endswith("implicit"):
             window = _iterated_steps(rate * step) * step

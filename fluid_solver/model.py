@@ -6,6 +6,7 @@ differ by the terms that are compiled into the sweeps.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping
 
 import numba
@@ -81,6 +82,7 @@ class ParticleFluid:
             period_of(scene),
             () if self._transported else OF_SHIFTING,
         )
+        self.store.fastest[...] = 4.0 * np.max(np.sum(water.velocity**2, axis=1), initial=0.0)  # streams that meet
         self._threads = threads if self.particles() >= SERIAL_BELOW else 1
         self._motion = GhostMotion(scene, self.ghosts)
         self.force = np.zeros((len(self.ghosts.position), 2))  # N/m on every ghost, at the last step's end
@@ -146,8 +148,8 @@ class ParticleFluid:
         store, c = self.store, self.c
         numba.set_num_threads(self._threads)
         largest(store.S, store.kind, store.count, store.speeds)
-        u, a = largest_of(store.speeds, store.count)
-        return fluid_step(self._courant, c.h, c.c0 + u, c.nu, a)
+        _, a = largest_of(store.speeds, store.count)
+        return fluid_step(self._courant, c.h, c.c0 + 0.5 * math.sqrt(store.fastest.max()), c.nu, a)
 
     def advance(self, t0: float, t1: float, substeps: int, boundary: Kinematics | None) -> Loads:
         """Integrate from t0 to t1 [s] in equal steps; the ghosts of structures follow `boundary`."""
@@ -192,7 +194,7 @@ class ParticleFluid:
     def _accelerate(self) -> None:
         s = self.store
         self._ghost_sweep(s.S, s.ids, *s.cells(), self.c, self._first, self.force)
-        self._forces(s.S, *s.cells(), self.c, self._speed, s.work)
+        self._forces(s.S, *s.cells(), self.c, self._speed, s.work, s.fastest)
 
     def _place(self, t0, since, length, boundary, always=False) -> None:
         """Ghosts to the pose they have `since` seconds after t0; nothing to do when all stand still."""

@@ -69,7 +69,7 @@ def gradient_factor(kernel: Kernel, h_over_dx: float) -> float:
 
 
 def courant_of(fluid: Fluid) -> float:
-    """Time step over h/(c0 + speed): the scene's, or what was measured to be stable and accurate."""
+    """Time step over h/(c0 + u): the scene's, or what was measured to be stable and accurate (shared/fluid_step.py)."""
     if fluid.courant == "auto":
         return COURANT[fluid.model]
     if fluid.courant > LARGEST_COURANT[fluid.model]:

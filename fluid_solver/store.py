@@ -34,7 +34,8 @@ class Store:
     """State `S` (ROWS, n), `kind` and `ids` (n,) in cell order; the first `count` take part, parked ones follow.
 
     `start`, `grid`: the cells (see cells.py); `edges`: first segment of each task; `buffers`: candidates of a segment,
-    one per task; `work`: results of a sweep; `speeds`: per-block maxima; `clipped`: per-block impulse of the tension
+    one per task; `work`: results of a sweep; `speeds`: per-block maxima; `fastest`: largest relative speed per
+    task, squared [m²/s²]; `clipped`: per-block impulse of the tension
     taken off [N s/m]. `moved` [m]: a bound of the displacement since the last sort.
     """
 
@@ -58,6 +59,7 @@ class Store:
         self.work = np.zeros((WORK_ROWS, n))
         self.speeds = np.empty((2, n // BLOCK + 1))
         self.clipped = np.zeros(n // BLOCK + 1)
+        self.fastest = np.zeros(CHUNKS)
         self.edges = np.zeros(CHUNKS + 1, dtype=np.int64)
         self.buffers = np.empty((CHUNKS, BUFFER_ROWS, LANES))
         self._columns = np.zeros(
@@ -158,6 +160,7 @@ class Store:
             "cells": np.array([self.grid.columns, self.grid.rows, self.count, self.parked]),
             "skin": np.array([self.moved, self._skin]),
             "clipped": self.clipped,
+            "fastest": self.fastest,
         }
 
     def restore(self, state: Mapping[str, np.ndarray]) -> None:
@@ -168,7 +171,7 @@ class Store:
         columns, rows, self.count, self.parked = (int(k) for k in state["cells"])
         self.grid = self.grid._replace(columns=columns, rows=rows)
         self.moved, self._skin = (float(k) for k in state["skin"])
-        self.clipped[...] = state["clipped"]
+        self.clipped[...], self.fastest[...] = state["clipped"], state["fastest"]
         self._share()
 
 

@@ -142,7 +142,10 @@ class Fluid(Table):
     courant: Annotated[float, Field(gt=0.0, le=3.0)] | Literal["auto"] = key(
         "auto",
         unit="-",
-        about="time step over h/(c0 + speed); auto: measured to be stable and accurate, 0.9 for ctvf, 1.3 for wcsph",
+        about=(
+            "time step over h/(c0 + u), u half the largest relative speed of neighbours; "
+            "auto: measured to be stable and accurate, 0.9 for ctvf, 1.3 for wcsph"
+        ),
     )
     initial_pressure: Literal["hydrostatic", "zero"] = key(
         "hydrostatic",

@@ -63,7 +63,7 @@ def pressure_rate(store: Store, c: Parameters, transported: bool) -> np.ndarray:
 
 def acceleration(store: Store, c: Parameters, viscous=False, shifting=False, u_max=0.0) -> np.ndarray:
     sweep = make_forces(KERNEL.code, viscous, shifting)
-    sweep(store.S, *store.cells(), c, u_max, store.work)
+    sweep(store.S, *store.cells(), c, u_max, store.work, store.fastest)
     return store.S[[AX, AY]]
 
 

@@ -7,7 +7,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from coupler.window import alpha_rate, window_length
+from coupler.window import SPEED_UP, alpha_rate, window_length
 from shared.contract import Description
 from shared.schema_coupling import Coupling
 
@@ -24,7 +24,7 @@ def sides(step, thickness, sound_speed=20.0, wave_speed=5000.0):
 
 
 def test_heavy_plate_gets_four_steps_a_window():
-    assert window_length(Coupling(), *sides(1e-5, 1.0)) == pytest.approx(4 * 1e-5 / (1 + 0.25))
+    assert window_length(Coupling(), *sides(1e-5, 1.0)) == pytest.approx(4 * 1e-5 / (1 + SPEED_UP))
 
 
 @pytest.mark.parametrize("thickness", [0.001, 0.004, 0.01, 0.03])
@@ -32,7 +32,7 @@ def test_light_plate_shortens_the_window(thickness):
     fluid, solid = sides(1e-4, thickness)
     window = window_length(Coupling(), fluid, solid)
     assert alpha_rate(fluid, solid) * window <= 0.07 * (1 + 1e-12)
-    steps = window / (fluid.stable_step / (1 + 0.25))
+    steps = window / (fluid.stable_step / (1 + SPEED_UP))
     assert steps < 1 or steps == pytest.approx(round(steps))
 
 
@@ -49,4 +49,4 @@ def test_a_soft_plate_of_many_layers_gets_the_window_that_one_layer_bears(wave_s
     """dam_break_plate with 24 layers of 0.5 mm: in two steps its outermost layer ripples, and the run fails."""
     fluid, solid = sides(2.44e-5, 0.012, 24.0, wave_speed)
     solid = replace(solid, spacing=5e-4)
-    assert window_length(Coupling(), fluid, solid) == pytest.approx(steps * 2.44e-5 / (1 + 0.25))
+    assert window_length(Coupling(), fluid, solid) == pytest.approx(steps * 2.44e-5 / (1 + SPEED_UP))
