@@ -38,6 +38,7 @@ Every reader checks everything before a message reaches a solver, and says what 
 from __future__ import annotations
 
 import math
+import operator
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any
@@ -65,6 +66,7 @@ _KEYS = {
     "info": dict,
     "fields": dict,
 }
+_parts_of = operator.attrgetter(*_KEYS)
 
 
 class BadMessage(ShearwaterError):
@@ -90,7 +92,7 @@ class Message:
 
 def encode(message: Message) -> bytes:
     """The message as bytes."""
-    packed = {name: getattr(message, name) for name in _KEYS}
+    packed = dict(zip(_KEYS, _parts_of(message), strict=True))
     packed["info"] = dict(message.info)
     packed["fields"] = {name: _pack_array(name, array) for name, array in message.fields.items()}
     return msgpack.packb(packed)
@@ -101,7 +103,7 @@ def _pack_array(name: str, array: np.ndarray) -> dict[str, Any]:
     if kind is None:
         raise BadMessage(f"field {name!r} has dtype {array.dtype}; only floats and integers travel")
     data = np.ascontiguousarray(array, dtype=_DTYPES[kind])
-    return {"dtype": kind, "shape": list(data.shape), "data": data.tobytes()}
+    return {"dtype": kind, "shape": data.shape, "data": data.data}
 
 
 def decode(data: bytes) -> Message:
@@ -118,8 +120,7 @@ def decode(data: bytes) -> Message:
         raise BadMessage(f"message speaks contract {packed.get('contract')!r}; this side speaks {CONTRACT_VERSION}")
     for name, kind in _KEYS.items():
         value = packed.get(name)
-        fits = isinstance(value, (int, float)) if kind is float else isinstance(value, kind)
-        if not fits or isinstance(value, bool):
+        if type(value) is not kind and not (kind is float and type(value) is int):
             raise BadMessage(f"message key {name!r} is {value!r}; a {kind.__name__} is needed")
     if len(packed) > len(_KEYS):
         raise BadMessage(f"message has unknown keys {sorted(map(str, packed.keys() - _KEYS.keys()))}")
