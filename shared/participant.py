@@ -54,6 +54,7 @@ class Participant:
         self._stage = "new"  # new → described → ready ⇄ advanced → finished
         self._next = 0  # number of the next window to be accepted
         self._substeps = 0
+        self._limit: float | None = None  # stable step [s] where the last window ended, if known
         self._saved: dict[str, np.ndarray] | None = None
         self._busy, self._writing = 0.0, 0.0  # time spent in steps, and in probes, frames and checkpoints [s]
         self._core_at_start, self._core_writing = 0.0, 0.0  # processor time: before the first step, and of output [s]
@@ -111,7 +112,7 @@ class Participant:
         self._need(window.index == self._next, "advance", f"window {self._next} is next, not window {window.index}")
         begun = time.perf_counter()
         if window.iteration == 0:
-            self._substeps = window.substeps(self.model.stable_step())
+            self._substeps = window.substeps(self.model.stable_step() if self._limit is None else self._limit)
         if self._rollback and self._saved is None and not final:
             self._saved = {name: np.copy(array) for name, array in self.model.state().items()}
         own = self.model.advance(window.t0, window.t1, self._substeps, self._spread(boundary))
@@ -129,7 +130,7 @@ class Participant:
         self._need(self._rollback, "rollback", "start did not ask for rollback")
         self._need(self._saved is not None, "rollback", "the window was advanced as final")
         self.model.restore(self._saved)
-        self._stage = "ready"
+        self._limit, self._stage = None, "ready"
 
     def accept(self) -> dict[str, float] | None:
         """Make the window final: writes the frame due; returns the probes when a row is due."""
@@ -168,7 +169,7 @@ class Participant:
                 f"The checkpoint {path} does not fit this run ({error}): it was written under another scene, or by "
                 "another version. Start the run again with `run`."
             ) from None
-        self._saved = None
+        self._limit = self._saved = None
 
     def finish(self) -> dict[str, object]:
         """Close the files; returns what this side cost."""
@@ -231,6 +232,7 @@ class Participant:
     def _note_outgrown(self, window: Window) -> None:
         """Say so when the state at the window's end wants shorter steps than the window had; the next one has them."""
         step, limit = window.length / self._substeps, self.model.stable_step()
+        self._limit = limit
         if step > _OUTGROWN * limit:
             self._outgrown += 1
             log.warning(

@@ -99,3 +99,33 @@ def test_checkpoint_of_another_run_is_refused(toy_spring, tmp_path):
     write_state(tmp_path / "state.h5", {"window": np.array(1)})
     with pytest.raises(BadInput, match="does not fit this run"):
         participant.load(tmp_path / "state.h5")
+
+
+class Softening:
+    """A spring whose stable step is half a window at first, and a quarter after window 0."""
+
+    def __init__(self, spring):
+        self._spring = spring
+
+    def __getattr__(self, name):
+        return getattr(self._spring, name)
+
+    def stable_step(self):
+        return 0.05 if self.y == 0.0 else 0.025
+
+
+def test_sub_steps_are_those_of_the_state_at_the_windows_start(toy_spring, tmp_path):
+    participant, again = started(Softening(toy_spring()), rollback=True), started(Softening(toy_spring()))
+    participant.save(tmp_path / "first.h5")
+    participant.advance(CLOCK.window(0), LOAD)
+    participant.rollback()
+    participant.advance(CLOCK.window(0), LOAD)
+    participant.accept()
+    assert participant.model.steps() == 2 + 2, "a window taken again is taken as it was"
+    participant.advance(CLOCK.window(1), LOAD)
+    assert participant.model.steps() == 2 + 2 + 4
+    again.advance(CLOCK.window(0), LOAD)
+    again.accept()
+    again.load(tmp_path / "first.h5")
+    again.advance(CLOCK.window(0), LOAD)
+    assert again.model.steps() == 2 + 2, "a checkpoint's state has its own"
