@@ -12,6 +12,7 @@ Per window, with F̄ the mean forces, Δx the windows' displacements:
 from __future__ import annotations
 
 import math
+from functools import cache
 from pathlib import Path
 from typing import TextIO
 
@@ -111,7 +112,7 @@ class Ledger:
         """One accepted window; returns a warning once energy is well on its way to its limit. Raises LedgerExceeded
         past a limit."""
         used, found, mapped = outcome.used, outcome.found, outcome.mapped
-        given, passed, taken = (np.ones(len(loads.force)) @ loads.force for loads in (found, mapped, used))
+        given, passed, taken = (_ones(len(loads.force)) @ loads.force for loads in (found, mapped, used))
         self._impulse_fluid += given * window.length
         self._impulse_structure += taken * window.length
         (points0, points1), (ghosts0, ghosts1) = outcome.points, outcome.ghosts
@@ -120,9 +121,9 @@ class Ledger:
         self._largest_work = max(self._largest_work, abs(self._work), abs(self._work_fluid))
         self._largest_impulse = max(self._largest_impulse, math.hypot(*self._impulse_fluid))
         scale = float(np.abs(found.force).sum())
-        lost = float(np.abs(given - passed).max())
-        self._mapping_error = max(self._mapping_error, lost / scale if scale > 0.0 else 0.0)
         numbers = [*given.tolist(), *passed.tolist(), *taken.tolist()]
+        lost = max(abs(numbers[0] - numbers[2]), abs(numbers[1] - numbers[3]))
+        self._mapping_error = max(self._mapping_error, lost / scale if scale > 0.0 else 0.0)
         numbers += [*self._impulse_fluid.tolist(), *self._impulse_structure.tolist()]
         numbers += [self._work, self._work_fluid, self._work + self._work_fluid]
         head = f"{window.index},{window.t1!r},{len(outcome.changes)},{outcome.changes[-1]!r},"
@@ -187,6 +188,12 @@ class Ledger:
     def close(self) -> None:
         """Close the file."""
         self._file.close()
+
+
+@cache
+def _ones(count: int) -> np.ndarray:
+    """What sums forces up: a product with it is quicker than a sum along the points."""
+    return np.ones(count)
 
 
 def _open(path: Path, rows: int | None) -> TextIO:
