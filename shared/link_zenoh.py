@@ -28,11 +28,6 @@ import zenoh
 
 from shared.contract import ParticipantLost, ShearwaterError
 
-# One thread of zenoh's own sends and receives, so that a message wakes fewer of them: of every sleep and waking a
-# virtual processor makes tens of microseconds. Read when the first session opens.
-_RUNTIME = "(rx: (handover: app), acc: (handover: app), tx: (handover: app), net: (handover: app))"
-os.environ.setdefault("ZENOH_RUNTIME", _RUNTIME)
-
 _CONNECT_TIMEOUT_S = 20.0
 _HEARTBEAT_PERIOD_S = 1.0
 _SILENT_AFTER_S = 15.0  # beyond zenoh's own lease of 10 s
