@@ -4,7 +4,7 @@ Cells lie in rows as high as the kernel's support and are `COLUMNS` times narrow
 sorted by cell, row by row, in each cell fluid before ghosts: cell c holds [start[2c], start[2c + 1]) fluid and
 [start[2c + 1], start[2c + 2]) ghosts. A ring of empty cells, a support wide, surrounds all. Everything within the
 support of a particle lies in its own row and the two beside it, at most `COLUMNS` columns away, as long as no particle
-has moved more than half the skin since the sort: rows are support + skin high.
+is more than half the skin away from where it was sorted to: rows are support + skin high.
 
 In a periodic direction cells tile the period exactly, a little larger than that. A cell at its edge finds its
 neighbours at the other edge, and sees them shifted by the period. Positions are wrapped at the sort and may leave the
@@ -18,7 +18,7 @@ from typing import NamedTuple
 import numba
 import numpy as np
 
-from fluid_solver.fields import FLUID, PARKED, X, Y
+from fluid_solver.fields import FLUID, PARKED, SX, SY, U, V, X, Y
 from shared.jit import inline_njit, njit, parallel_njit
 
 COLUMNS = 2  # cells per support along a row
@@ -74,10 +74,11 @@ def wrap(S, count, period):
 
 
 @parallel_njit
-def find_cells(S, kind, count, origin, inv_cell, grid, key, parked_key, spans):
+def find_cells(S, kind, count, lead, origin, inv_cell, grid, key, parked_key, spans):
     """Keys of the first `count` particles, `parked_key` of the parked; least and largest of each block in `spans`.
 
-    `origin` (2,) [m]: corner of the first cell within the ring; `inv_cell` (2,) [1/m]: one over the cells' size.
+    Fluid belongs to the cell where it will be in `lead` [s]. `origin` (2,) [m]: corner of the first cell within the
+    ring; `inv_cell` (2,) [1/m]: one over the cells' size.
     """
     last_column, last_row = grid.columns - COLUMNS - 1, grid.rows - 2
     for block in numba.prange((count + BLOCK - 1) // BLOCK):
@@ -85,8 +86,12 @@ def find_cells(S, kind, count, origin, inv_cell, grid, key, parked_key, spans):
         for i in range(block * BLOCK, min(block * BLOCK + BLOCK, count)):
             k = parked_key
             if kind[i] != PARKED:
-                column = min(int((S[X, i] - origin[0]) * inv_cell[0]) + COLUMNS, last_column)
-                row = min(int((S[Y, i] - origin[1]) * inv_cell[1]) + 1, last_row)
+                x, y = S[X, i], S[Y, i]
+                if kind[i] == FLUID:
+                    x += lead * (S[U, i] + S[SX, i])
+                    y += lead * (S[V, i] + S[SY, i])
+                column = min(int((x - origin[0]) * inv_cell[0]) + COLUMNS, last_column)
+                row = min(int((y - origin[1]) * inv_cell[1]) + 1, last_row)
                 k = 2 * (row * grid.columns + column) + (0 if kind[i] == FLUID else 1)
             key[i] = k
             least, most = min(least, k), max(most, k)

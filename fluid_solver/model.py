@@ -122,7 +122,7 @@ class ParticleFluid:
         self._motion.start(motion)
         self._place(0.0, 0.0, 1.0, motion, always=True)
         store = self.store
-        store.sort(0.0)
+        store.sort()
         largest(store.S, store.kind, store.count, store.speeds)
         self._speed, _ = largest_of(store.speeds, store.count)
         self._ghost_velocity(store.S, store.kind, store.ids, *store.cells(), self.c, self._first, self._motion.pose)
@@ -174,9 +174,10 @@ class ParticleFluid:
         self._speed, drift = largest_of(store.speeds, store.count)
         self._place(t0, since + 0.5 * dt, length, boundary)
         # 3  cells, once particles have moved too far for the present ones
-        reach = 0.5 * dt * max(drift, self._motion.speed(boundary))
+        ghosts = self._motion.speed(boundary)
+        reach = 0.5 * dt * max(drift, ghosts)
         store.moved += reach
-        store.sort_if_moved(reach)
+        store.sort_if_moved(0.5 * dt, drift, ghosts)
         # 4, 5  ghosts' velocities and rates at the middle; p and ρ a full step on
         # 6     x += (u_half + δu) dt/2; walls and ghosts to the end
         self._ghost_velocity(store.S, store.kind, store.ids, *store.cells(), c, self._first, self._motion.pose)

@@ -36,7 +36,7 @@ class Store:
     `start`, `grid`: the cells (see cells.py); `edges`: first segment of each task; `buffers`: candidates of a segment,
     one per task; `work`: results of a sweep; `speeds`: per-block maxima; `fastest`: largest relative speed per
     task, squared [m²/s²]; `clipped`: per-block impulse of the tension
-    taken off [N s/m]. `moved` [m]: a bound of the displacement since the last sort.
+    taken off [N s/m]. `moved` [m]: a bound of how far a particle is from where it was sorted to.
     """
 
     def __init__(
@@ -73,29 +73,36 @@ class Store:
         self.grid = Grid(0, 0, *(float(length) for length in period[:, 1] - period[:, 0]))
         self.moved = self._skin = 0.0
 
-    def sort_if_moved(self, ahead: float) -> None:
-        """Sort unless the cells hold for a further displacement `ahead` [m] of every particle."""
-        if self.grid.columns == 0 or 2.0 * (self.moved + ahead) > self._skin:
-            self.sort(ahead)
+    def sort_if_moved(self, ahead: float, fluid: float, ghosts: float) -> None:
+        """Sort unless the cells hold for a time `ahead` [s] more, in which nothing is faster than this [m/s]."""
+        if self.grid.columns == 0 or 2.0 * (self.moved + ahead * max(fluid, ghosts)) > self._skin:
+            self.sort(ahead, fluid, ghosts)
 
-    def sort(self, ahead: float) -> None:
-        """Sort all particles by cell; takes those out of the domain out of all loops."""
+    def sort(self, ahead: float = 0.0, fluid: float = 0.0, ghosts: float = 0.0) -> None:
+        """Sort all particles by cell; takes those out of the domain out of all loops.
+
+        Fluid is sorted to where it will be in the middle of the time `ahead` [s], from which it is half as far off now
+        and at that time's end as from where it is now: fast drops make all cells wider, and what visits them slower.
+        """
         S, kind, count = self.S, self.kind, self.count
         wrap(S, count, self._period)
         park_and_bound(S, kind, count, self._domain, self._found)
         found = self._found[:, : (count + BLOCK - 1) // BLOCK]
         self.parked += int(found[4].sum())
         x0, y0, x1, y1 = found[:4].min(axis=1) * (1.0, 1.0, -1.0, -1.0)
-        self._skin = max(_SKIN * self._support, 2.0 * ahead)
-        origin, inv_cell = self._lay_cells(np.array([[x0, x1], [y0, y1]]))
-        find_cells(S, kind, count, origin, inv_cell, self.grid, self._key, len(self.start) - 2, self._spans)
+        lead = 0.5 * ahead if not self._period.any() else 0.0  # else from one end of the period to the other
+        off = max((ahead - lead) * fluid, ahead * ghosts)
+        self._skin = max(_SKIN * self._support, 2.0 * off)
+        margin = lead * fluid
+        origin, inv_cell = self._lay_cells(np.array([[x0 - margin, x1 + margin], [y0 - margin, y1 + margin]]))
+        find_cells(S, kind, count, lead, origin, inv_cell, self.grid, self._key, len(self.start) - 2, self._spans)
         count_cells(self._key, count, self._spans, self.start, self._order)
         S2, kind2, ids2 = self._spare
         permute(S, self._carried, kind, self.ids, self._order, count, S2, kind2, ids2)
         self._spare = S, kind, self.ids
         self.S, self.kind, self.ids = S2, kind2, ids2
         self.count = int(self.start[-2])
-        self.moved = 0.0
+        self.moved = off - ahead * max(fluid, ghosts)
         self._share()
 
     def _lay_cells(self, box: np.ndarray) -> tuple[np.ndarray, np.ndarray]:

@@ -8,6 +8,7 @@ from fluid_solver.fields import AX, AY, FLUID, RHO, M, P, U, V, X, Y
 from fluid_solver.models import make_model
 from shared.contract import BadInput, Kinematics, SolverFailed
 from shared.schema import Scene
+from shared.schema_geometry import Domain
 
 G = 9.81
 
@@ -212,3 +213,24 @@ def test_fluid_that_leaves_the_domain_is_taken_out_and_counted(caplog):
 def test_no_speed_to_guess_the_sound_speed_from_is_bad_input():
     with pytest.raises(BadInput, match="sound_speed"):
         make_model(scene([{"name": "drop", "rectangle": (0.0, 0.0, 0.1, 0.1)}], gravity=(0.0, 0.0)), False, 1)
+
+
+FAR = Domain(lower=(-1.0, -1.0), upper=(1.0, 1.0))  # so that nothing leaves it
+
+
+@pytest.mark.parametrize("row", [U, V])
+@pytest.mark.parametrize("periodic", [{}, {"periodic": {"x": [0.0, 0.2]}}])
+def test_cells_hold_all_neighbours_of_the_fastest(periodic, row):
+    """Drops faster than sound, over some steps: accelerations are those of cells sorted where particles are."""
+    fluid = begun(tank(sound_speed=20.0, alpha=0.1, **periodic).model_copy(update={"domain": FAR}))
+    fluid.store.S[row, fluid.store.kind == FLUID] = np.random.default_rng(1).choice([-60.0, 60.0], fluid.fluid_count)
+    dt = 0.5 * fluid.stable_step()
+    for k in range(10):
+        fluid.advance(k * dt, (k + 1) * dt, 1, None)
+        found = fluid_rows(fluid, AX, AY)
+        state = {name: np.copy(array) for name, array in fluid.state().items()}
+        fluid.store.sort()
+        fluid._accelerate()
+        again = fluid_rows(fluid, AX, AY)
+        fluid.restore(state)
+        assert found == pytest.approx(again, rel=1e-9, abs=1e-9 * np.abs(again).max())

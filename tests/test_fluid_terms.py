@@ -47,7 +47,7 @@ def patch(jitter=0.05, u=None, d=None, p=None) -> Store:
         S[PR2] = S[P] / RHO0**2
     support = KERNEL.support * H_OVER_DX * DX
     store = Store(S, np.full(x.size, FLUID), support, np.array([-1e9, -1e9, 1e9, 1e9]), np.zeros((2, 2)))
-    store.sort(0.0)
+    store.sort()
     return store
 
 
