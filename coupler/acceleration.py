@@ -18,7 +18,7 @@ from typing import Protocol
 
 import numpy as np
 
-from shared.checkpoint import State, inside, under
+from shared.checkpoint import State, inside
 from shared.schema_coupling import Coupling
 
 FILTER = 1e-3
@@ -160,48 +160,6 @@ class IqnIls:
         for k, row in enumerate(rows):
             upper[: k + 1, k] = row
         return chosen, basis, upper
-
-
-class SteppingUp:
-    """Aitken until a window takes more than `PATIENCE` evaluations, from then on IQN-ILS, which has watched."""
-
-    PATIENCE = 6
-
-    def __init__(self, coupling: Coupling):
-        self._aitken: Aitken | None = Aitken(coupling.relaxation)
-        self._newton = IqnIls(coupling.relaxation, coupling.reuse)
-        self._count = 0
-        self.news = ""
-
-    def begin(self) -> None:
-        """A new window."""
-        self._count = 0
-        self._newton.begin()
-        if self._aitken is not None:
-            self._aitken.begin()
-
-    def next(self, x: np.ndarray, found: np.ndarray, weight: np.ndarray) -> np.ndarray:
-        """The next point to try."""
-        self._count += 1
-        if self._aitken is not None and self._count > self.PATIENCE:
-            self._aitken = None
-            self.news = f"aitken to iqn-ils: more than {self.PATIENCE} iterations in a window"
-        better = self._newton.next(x, found, weight)
-        return better if self._aitken is None else self._aitken.next(x, found, weight)
-
-    def state(self) -> State:
-        """That of both methods; no Aitken once it has been left."""
-        aitken = {} if self._aitken is None else under("aitken", self._aitken.state())
-        return aitken | under("newton", self._newton.state())
-
-    def restore(self, state: State) -> None:
-        """Go back to a `state`."""
-        aitken = inside("aitken", state)
-        if aitken:
-            self._aitken.restore(aitken)
-        else:
-            self._aitken = None
-        self._newton.restore(inside("newton", state))
 
 
 def make_acceleration(coupling: Coupling) -> Acceleration:

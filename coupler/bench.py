@@ -77,7 +77,7 @@ def time_windows(link: str, points: int, windows: int) -> dict[str, float]:
         loads, _ = fluid.start(clock, range(mapping.matrix.shape[0]), wall, frames=1, probe_rows=1)
         past = Predictor(0, mapping.loads(loads)), Predictor(0, motion)
         c = Coupled(fluid, structure, mapping, motion, wall, *past)
-        take = make_taker(Plan("serial-explicit", "aitken", clock.window_length), scene.coupling)
+        take = make_taker(Plan("serial-explicit", clock.window_length), scene.coupling)
         ledger = Ledger(run_dir / "ledger.csv", scene.coupling.limits)
         spent = []
         for window in map(clock.window, range(clock.count)):

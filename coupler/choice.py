@@ -13,7 +13,7 @@ from typing import Protocol
 
 import numpy as np
 
-from coupler.acceleration import Constant, SteppingUp, make_acceleration
+from coupler.acceleration import Constant, make_acceleration
 from coupler.schemes import (
     Coupled,
     Iteration,
@@ -107,15 +107,14 @@ class Plain(Constant):
 
 
 class Auto:
-    """Serial exchange: explicit, then implicit with aitken, then with iqn-ils; never back. `plan.reasons` grows."""
+    """Serial exchange: explicit, then implicit, never back. `plan.reasons` grows."""
 
     def __init__(self, plan: Plan, coupling: Coupling):
         self._plan = plan
         self._measure = Measure.of(coupling)
         self._explicit = plan.scheme == "serial-explicit"
-        self._acceleration = SteppingUp(coupling)
         # A splash that no iteration resolves must not end the run: such windows are counted, and the ledger watches.
-        self._implicit = Iteration(self._acceleration, self._measure, coupling.max_iterations, True)
+        self._implicit = Iteration(make_acceleration(coupling), self._measure, coupling.max_iterations, True)
         self._plain = Plain()
         self._twice = Iteration(self._plain, Measure(0.0, 0.0, coupling.loads), 2, True)
         self._last: np.ndarray | None = None
@@ -125,11 +124,7 @@ class Auto:
     def __call__(self, c: Coupled, window: Window) -> Outcome:
         """Take one window."""
         if not self._explicit:
-            outcome = serial_implicit(c, window, self._implicit)
-            if self._acceleration.news:
-                self._say(window, self._acceleration.news)
-                self._acceleration.news = ""
-            return outcome
+            return serial_implicit(c, window, self._implicit)
         if is_measured(window.index):
             outcome = serial_implicit(c, window, self._twice)
             left = np.linalg.norm(self._measure.leading(outcome.mapped) - self._measure.leading(outcome.used))
@@ -151,14 +146,14 @@ class Auto:
         state = {"explicit": np.array(self._explicit), "swings": np.array(self._swings)}
         state["astray"] = np.array(self._astray)
         last = {} if self._last is None else {"last": self._last}
-        return state | last | under("acceleration", self._acceleration.state())
+        return state | last | under("acceleration", self._implicit.acceleration.state())
 
     def restore(self, state: State) -> None:
         """Go back to a `state`."""
         self._explicit, self._swings = bool(state["explicit"]), int(state["swings"])
         self._astray = int(state["astray"])
         self._last = state.get("last")
-        self._acceleration.restore(inside("acceleration", state))
+        self._implicit.acceleration.restore(inside("acceleration", state))
 
     def _watch(self, window: Window, outcome: Outcome) -> None:
         """Lagged loads that overshoot to and fro, ever further, are about to blow up; so are those that stay astray."""
@@ -181,10 +176,7 @@ class Auto:
 
     def _step_up(self, window: Window, why: str) -> None:
         self._explicit = False
-        self._say(window, f"serial-explicit to serial-implicit with aitken: {why}")
-
-    def _say(self, window: Window, what: str) -> None:
-        reason = f"window {window.index}, t = {window.t0:.4g} s: {what}"
+        reason = f"window {window.index}, t = {window.t0:.4g} s: serial-explicit to serial-implicit: {why}"
         log.info("auto: %s", reason)
         self._plan.reasons.append(reason)
 

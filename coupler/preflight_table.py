@@ -78,7 +78,7 @@ def verdict_lines(report: Preflight, scene: Scene) -> list[str]:
 def _coupling_line(scene: Scene, n: Numbers) -> str:
     """Scheme, window, and each side's steps in it."""
     plan, window = expected_plan(scene, n), expected_window(scene, n)
-    scheme = f"{plan.scheme} with {plan.acceleration}" if plan.scheme.endswith("implicit") else plan.scheme
+    scheme = f"{plan.scheme} with {scene.coupling.acceleration}" if plan.scheme.endswith("implicit") else plan.scheme
     steps = [max(1, math.ceil(window / step * (1 - 1e-9))) for step in (n.water.step, n.plate.step)]
     return f"Coupled {scheme}, window {window:.3g} s, in it {steps[0]} fluid and {steps[1]} solid steps."
 

@@ -45,10 +45,9 @@ _SHORTEST = 1.0 / 3.0
 
 @dataclass(frozen=True)
 class Plan:
-    """Scheme, acceleration and window [s] of a run, and why."""
+    """Scheme and window [s] of a run, and why."""
 
     scheme: str
-    acceleration: str
     window: float
     reasons: list[str] = field(default_factory=list)
 
@@ -96,9 +95,7 @@ def make_plan(coupling: Coupling, fluid: Description, structure: Description, r:
     if coupling.scheme != "auto":
         if coupling.window == "auto" and coupling.scheme.endswith("implicit"):
             window = _iterated_steps(rate * step) * step
-        return Plan(
-            coupling.scheme, coupling.acceleration, window, [f"scheme {coupling.scheme}: the scene asks for it"]
-        )
+        return Plan(coupling.scheme, window, [f"scheme {coupling.scheme}: the scene asks for it"])
     response = min(0.5 * rate * window, r) if rate > 0.0 else r
     numbers = f"α = {rate * window:.3g}, r = {r:.3g}, expected response of the load to itself {response:.2g}"
     if coupling.window == "auto" and window < _SHORTEST * step and r > 0.5 * LARGEST_ALPHA:
@@ -107,7 +104,7 @@ def make_plan(coupling: Coupling, fluid: Description, structure: Description, r:
             f"steps (r = {r:.3g}); iterating over whole steps costs less"
         )
         window = _iterated_steps(rate * step) * step
-        return Plan("serial-implicit", "aitken", window, [f"serial-implicit with aitken: {why}"])
+        return Plan("serial-implicit", window, [f"serial-implicit: {why}"])
     if response <= 0.5 * LARGEST_ALPHA * (1.0 + 1e-9):
-        return Plan("serial-explicit", "aitken", window, [f"serial-explicit: {numbers}, at most {LARGEST_ALPHA / 2:g}"])
-    return Plan("serial-implicit", "aitken", window, [f"serial-implicit with aitken: {numbers}"])
+        return Plan("serial-explicit", window, [f"serial-explicit: {numbers}, at most {LARGEST_ALPHA / 2:g}"])
+    return Plan("serial-implicit", window, [f"serial-implicit: {numbers}"])

@@ -33,8 +33,7 @@ class Coupling(Table):
         "auto",
         about=(
             "auto: serial, explicit while the measured response of the load to itself is small and the ledger's energy "
-            "keeps below half its limit, then implicit with aitken, then with iqn-ils; reasons are in the coupler's "
-            "log and in result.json"
+            "keeps below half its limit, then implicit; reasons are in the coupler's log and in result.json"
         ),
     )
     window: Positive | Literal["auto"] = key(

@@ -85,7 +85,7 @@ def couple(scene: Scene, windows: int | None = None, along=(1.0, 0.0), ledger: L
 def couple_models(fluid: Model, structure: Model, clock: Clock, coupling: Coupling, along=(1.0, 0.0), ledger=None):
     """The same for two models made by the test; the scheme is the one that `coupling` names."""
     c = join(fluid, structure, clock, coupling.predictor)
-    plan = Plan(coupling.scheme, coupling.acceleration, clock.window_length)
+    plan = Plan(coupling.scheme, clock.window_length)
     return march(c, make_taker(plan, coupling), clock, clock.count, along, ledger)
 
 

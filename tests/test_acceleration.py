@@ -5,8 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from coupler.acceleration import Aitken, Constant, IqnIls, SteppingUp
-from shared.schema_coupling import Coupling
+from coupler.acceleration import Aitken, Constant, IqnIls
 
 
 def evaluations(acceleration, g, b, x, tolerance, weight=None, cap=400):
@@ -108,13 +107,3 @@ def test_constant_relaxation_flips_at_two_over_one_plus_g(g):
     for factor, converges in ((0.98, True), (1.02, False)):
         _, x = evaluations(Constant(factor * limit), np.array([g]), np.ones(1), np.zeros(1), 0.0, cap=300)
         assert (abs(x[0] - 1.0 / (1.0 + g)) < 1e-2) == converges
-
-
-def test_aitken_hands_over_to_iqn_ils_when_it_takes_too_long():
-    method = SteppingUp(Coupling())
-    counts = windows(method, np.linspace(0.5, 20.0, 8))
-    assert "aitken to iqn-ils" in method.news
-    assert counts[-1] < 6
-    calm = SteppingUp(Coupling())
-    windows(calm, np.full(4, 0.2))
-    assert calm.news == ""

@@ -37,11 +37,11 @@ def test_a_light_piston_is_iterated_from_the_start():
 def test_a_measured_response_ends_lagged_exchange():
     """Told that lagged exchange would do, `auto` measures |g| = r = 0.9 in window 1 and steps up."""
     scene = piston(["fluid.column.compressible=false", f"solid.density={10000.0 / 0.9!r}", "end_time=0.02"])
-    clock, plan = Clock.fitting(0.02, 1e-3), Plan("serial-explicit", "aitken", 1e-3)
+    clock, plan = Clock.fitting(0.02, 1e-3), Plan("serial-explicit", 1e-3)
     c = join(make_fluid(scene, True, 1), make_solid(scene, True, 1), clock, 0)
     history = march(c, Auto(plan, Coupling()), clock, 20)
     assert plan.reasons == [
-        "window 1, t = 0.001 s: serial-explicit to serial-implicit with aitken: measured response of the "
+        "window 1, t = 0.001 s: serial-explicit to serial-implicit: measured response of the "
         "load to itself 0.9"
     ]
     assert all(len(outcome.changes) > 1 for outcome in history.outcomes[2:])
@@ -51,7 +51,7 @@ def test_overshooting_loads_end_lagged_exchange(monkeypatch):
     """The same without measured windows: the lagged load swings to and fro, each time by more."""
     monkeypatch.setattr("coupler.choice.is_measured", lambda index: False)
     scene = piston(["fluid.column.compressible=false", f"solid.density={10000.0 / 1.3!r}", "end_time=0.04"])
-    clock, plan = Clock.fitting(0.04, 1e-3), Plan("serial-explicit", "aitken", 1e-3)
+    clock, plan = Clock.fitting(0.04, 1e-3), Plan("serial-explicit", 1e-3)
     c = join(make_fluid(scene, True, 1), make_solid(scene, True, 1), clock, 0)
     history = march(c, Auto(plan, Coupling()), clock, 40)
     assert "overshot" in plan.reasons[0]
@@ -61,14 +61,14 @@ def test_overshooting_loads_end_lagged_exchange(monkeypatch):
 @pytest.mark.parametrize(("windows", "leaves"), [(31, False), (32, True)])
 def test_loads_that_stay_astray_end_lagged_exchange(windows, leaves):
     """The interface's points ripple, each by itself: their sum, and the response to one more iteration, stay small."""
-    plan, rng = Plan("serial-explicit", "aitken", 1e-3), np.random.default_rng(0)
+    plan, rng = Plan("serial-explicit", 1e-3), np.random.default_rng(0)
     auto, clock, points = Auto(plan, Coupling()), Clock(1.0, 100), Kinematics.at_rest(np.zeros((50, 2)))
     for k in range(windows):
         used, found = (Loads(np.zeros(50), rng.normal(size=(50, 2))) for _ in range(2))
         change = float(np.linalg.norm(found.force - used.force) / np.linalg.norm(found.force))
         auto._watch(clock.window(k), Outcome(used, found, found, (points, points), (points, points), (change,)))
     assert bool(plan.reasons) == leaves
-    again = Auto(Plan("serial-explicit", "aitken", 1e-3), Coupling())
+    again = Auto(Plan("serial-explicit", 1e-3), Coupling())
     again.restore(auto.state())
     assert {name: array.tobytes() for name, array in again.state().items()} == {
         name: array.tobytes() for name, array in auto.state().items()
@@ -103,7 +103,7 @@ def test_the_ledgers_warning_ends_lagged_exchange(tmp_path, monkeypatch):
     monkeypatch.setattr("coupler.choice.is_measured", lambda index: False)
     limits = Limits(energy=0.3)
     scene = piston(window=1e-3)
-    clock, plan = Clock.fitting(scene.end_time, 1e-3), Plan("serial-explicit", "aitken", 1e-3)
+    clock, plan = Clock.fitting(scene.end_time, 1e-3), Plan("serial-explicit", 1e-3)
     c = join(make_fluid(scene, True, 1), make_solid(scene, True, 1), clock, 0)
     ledger = Ledger(tmp_path / "ledger.csv", limits)
     march(c, Auto(plan, Coupling()), clock, clock.count, ledger=ledger)

@@ -70,7 +70,7 @@ def started(remotes, clock) -> Coupled:
 def test_a_window_takes_the_sum_in_turn_and_the_longer_side_at_once(toy_spring, toy_weight, scheme):
     coupling = Coupling(scheme=scheme, max_iterations=2, on_cap="accept")
     clock = Clock(0.3, WINDOWS + 1)
-    take = make_taker(Plan(scheme, "iqn-ils", clock.window_length), coupling)
+    take = make_taker(Plan(scheme, clock.window_length), coupling)
     with working_sides({"fluid": toy_weight(3.0, 2.0), "solid": toy_spring()}) as remotes:
         c = started(remotes, clock)
         take(c, clock.window(0))
