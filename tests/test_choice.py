@@ -41,8 +41,7 @@ def test_a_measured_response_ends_lagged_exchange():
     c = join(make_fluid(scene, True, 1), make_solid(scene, True, 1), clock, 0)
     history = march(c, Auto(plan, Coupling()), clock, 20)
     assert plan.reasons == [
-        "window 1, t = 0.001 s: serial-explicit to serial-implicit: measured response of the "
-        "load to itself 0.9"
+        "window 1, t = 0.001 s: serial-explicit to serial-implicit: measured response of the load to itself 0.9"
     ]
     assert all(len(outcome.changes) > 1 for outcome in history.outcomes[2:])
 
