@@ -61,7 +61,10 @@ _PATIENCE = 20
 _WARM = 0.5
 """Of the energy limit, past which lag is worth a warning."""
 _WARM_FOR = 40
-"""Windows in a row past it before the warning. Measured: 8 to 19 where water first strikes dam_break_plate."""
+"""Windows in a row past it before the warning. Measured: 8 to 19 where water first strikes dam_break_plate.
+
+Energy lost counts, here and at the limit, once the work has stopped growing: where water first strikes a stiff wall, a
+load that grows by a fifth from window to window lags by as much of itself, which soon is nothing beside the work."""
 _WAYS_OUT = {
     "energy": (
         "Energy is made or lost at the interface: the window is too long for this water and this structure. Set "
@@ -97,6 +100,7 @@ class Ledger:
         self._largest_work = 0.0
         self._largest_impulse = 0.0
         self._mapping_error = 0.0
+        self._growing = False  # the largest work, in the last window
 
     def state(self) -> State:
         """The sums, and how long they have been past their limits."""
@@ -118,7 +122,9 @@ class Ledger:
         (points0, points1), (ghosts0, ghosts1) = outcome.points, outcome.ghosts
         self._work += float(np.vdot(used.force, points1.position - points0.position))
         self._work_fluid -= float(np.vdot(found.force, ghosts1.position - ghosts0.position))
-        self._largest_work = max(self._largest_work, abs(self._work), abs(self._work_fluid))
+        self._last, before = window, self._largest_work
+        self._largest_work = max(before, abs(self._work), abs(self._work_fluid))
+        self._growing = self._largest_work > before
         self._largest_impulse = max(self._largest_impulse, math.hypot(*self._impulse_fluid))
         scale = float(np.abs(found.force).sum())
         numbers = [*given.tolist(), *passed.tolist(), *taken.tolist()]
@@ -128,14 +134,18 @@ class Ledger:
         numbers += [self._work, self._work_fluid, self._work + self._work_fluid]
         head = f"{window.index},{window.t1!r},{len(outcome.changes)},{outcome.changes[-1]!r},"
         self._file.write(head + ",".join(map(repr, numbers)) + "\n")
-        self._check(window)
+        self._check()
+        self._warm = self._warm + 1 if self._energy() > _WARM * self._limits.energy else 0
         share = (self._work + self._work_fluid) / (self._largest_work or 1.0)
-        self._warm = self._warm + 1 if abs(share) > _WARM * self._limits.energy else 0
         return f"lag has made {share:+.0%} of the work at the interface" if self._warm == _WARM_FOR else ""
 
-    def _check(self, window: Window) -> None:
+    def _energy(self) -> float:
+        """Energy that lag has made or lost, over the largest work; none while it is lost of a work that grows."""
+        lag = self._work + self._work_fluid
+        return 0.0 if lag < 0.0 and self._growing else abs(lag) / (self._largest_work or 1.0)
+
+    def _check(self) -> None:
         """Energy and impulse count once they stay past their limits; force lost by the map counts at once."""
-        self._last = window
         past = self._past_limits()
         self._past = self._past + 1 if past else 0
         if self._past >= _PATIENCE or "mapping" in past:
@@ -145,7 +155,7 @@ class Ledger:
         """What is past its limit, and by how much; force lost by the map first."""
         found = {
             "mapping": self._mapping_error,
-            "energy": abs(self._work + self._work_fluid) / (self._largest_work or 1.0),
+            "energy": self._energy(),
             "impulse": math.hypot(*(self._impulse_structure - self._impulse_fluid)) / (self._largest_impulse or 1.0),
         }
         return {name: value for name, value in found.items() if not value <= getattr(self._limits, name)}

@@ -110,6 +110,37 @@ def test_the_ledgers_warning_ends_lagged_exchange(tmp_path, monkeypatch):
     assert abs(ledger.summary()["work_error"]) < limits.energy
 
 
+def one_window(used: float, found: float) -> Outcome:
+    """A window in which a point goes 1 m under the force `used`, the water having pushed it by `found` [N/m]."""
+    loads = [Loads(np.zeros(1), np.array([[force, 0.0]])) for force in (used, found)]
+    way = Kinematics.at_rest(np.zeros((1, 2))), Kinematics.at_rest(np.array([[1.0, 0.0]]))
+    return Outcome(loads[0], loads[1], loads[1], way, way, (0.0,))
+
+
+def test_energy_lost_while_the_work_grows_is_the_lag_of_a_load_that_grows(tmp_path):
+    """Water strikes a stiff wall: each window's load is 1.2 times the last, and used a window late."""
+    ledger, clock = Ledger(tmp_path / "ledger.csv", Limits(energy=0.15, impulse=1e9)), Clock(1.0, 300)
+    force, said = 1.0, []
+    for k in range(60):
+        said.append(ledger.record(clock.window(k), one_window(force / 1.2, force)))
+        force *= 1.2
+    assert ledger.summary()["work_error"] == pytest.approx(-1.0 / 6.0, rel=1e-3)
+    assert said == [""] * 60
+
+
+def test_energy_that_stays_lost_is_warned_of_and_ends_the_run(tmp_path):
+    ledger, clock = Ledger(tmp_path / "ledger.csv", Limits(energy=0.6, impulse=1e9)), Clock(1.0, 300)
+    ledger.record(clock.window(0), one_window(0.5, 1.0))
+    said = [ledger.record(clock.window(k), one_window(0.0, 0.0)) for k in range(1, 50)]
+    assert [k for k, text in enumerate(said, 1) if text] == [40]
+    strict = Ledger(tmp_path / "strict.csv", Limits(energy=0.4, impulse=1e9))
+    strict.record(clock.window(0), one_window(0.5, 1.0))
+    for k in range(1, 20):
+        strict.record(clock.window(k), one_window(0.0, 0.0))
+    with pytest.raises(LedgerExceeded, match=r"window 20, .*energy 0\.5"):
+        strict.record(clock.window(20), one_window(0.0, 0.0))
+
+
 def test_the_ledger_leaves_an_iterated_column_alone(tmp_path):
     ledger = Ledger(tmp_path / "ledger.csv", Limits(energy=1e-3, impulse=1e-3))
     couple(piston(["end_time=0.5"], window=2e-3, scheme="serial-implicit"), ledger=ledger)
