@@ -7,6 +7,7 @@ import math
 from coupler.preflight_finding import STEADY, Finding, above, below, of_particles
 from coupler.preflight_numbers import Numbers
 from coupler.preflight_window import expected_plan, expected_window
+from shared.ghost_inertia import LARGEST_INERTIA, ghost_inertia, ghosts_feel_acceleration
 from shared.schema import Scene
 from shared.schema_solid import PARTICLE_MODELS
 
@@ -16,7 +17,6 @@ ALPHA_WARN = 0.08  # see coupler/window.py: 0.07 decays and 0.14 grows on a refl
 ALPHA_REFUSE = {"serial": (2.0, 1.155, 0.709), "parallel": (0.667, 0.252, 0.078)}
 """Limits on an absorbing column, by predictor order: coupler/stability_theory.py."""
 SUPPORT_WARN, SUPPORT_REFUSE = 1.0, 0.5  # thickness over support: water sees water through the plate below 1
-GHOST_INERTIA_WARN = 0.5  # ρ_f dx/(ρ_s t); water_tube bears 0.13, light_gate with 3.3 must leave the term out
 STEP_RATIO_WARN = 5000.0  # sub-steps of the solid per fluid step; hydrostatic_plate has 170
 
 
@@ -99,12 +99,14 @@ def ghost_acceleration(scene: Scene, n: Numbers) -> Finding | None:
     """ρ_f dx/(ρ_s t): mass of the water between particles and face over the structure's own."""
     if n.joint is None or not of_particles(n) or n.plate.model == "rigid" or not scene.fluid.structure_acceleration:
         return None
-    value = n.water.density * n.water.dx / (n.plate.density * n.plate.thickness)
-    verdict = above(value, GHOST_INERTIA_WARN)
+    value = ghost_inertia(scene)
+    if not ghosts_feel_acceleration(scene):
+        return Finding("ghost acceleration", value, "ok", "left out: one layer of water outweighs the plate")
+    verdict = above(value, LARGEST_INERTIA)
     if verdict == "ok":
         return Finding("ghost acceleration", value, verdict, "the plate outweighs the water of one layer")
     reason = "pressures extrapolated with the acceleration of so light a plate drive it"
-    return Finding("ghost acceleration", value, verdict, reason, "fluid.structure_acceleration = false")
+    return Finding("ghost acceleration", value, verdict, reason, "fluid.structure_acceleration = auto")
 
 
 def step_ratio(scene: Scene, n: Numbers) -> Finding | None:

@@ -14,6 +14,7 @@ from fluid_solver.cells import BLOCK
 from fluid_solver.fields import AX, AY, FLUID, PARKED, U, V, X, Y
 from fluid_solver.initial import Ghosts
 from shared.contract import Kinematics
+from shared.ghost_inertia import ghosts_feel_acceleration
 from shared.jit import inline_njit, njit, parallel_njit
 from shared.motion_table import MotionTable
 from shared.schema import Scene
@@ -30,7 +31,7 @@ class GhostMotion:
 
     def __init__(self, scene: Scene, ghosts: Ghosts):
         rest, normal = ghosts.position, ghosts.normal
-        self._walls, self._accelerated = ghosts.walls, scene.fluid.structure_acceleration
+        self._walls, self._accelerated = ghosts.walls, ghosts_feel_acceleration(scene)
         owner = ghosts.owner[: self._walls]
         self._tables = [
             (rows, WallMotion(wall.motion, rest[rows], normal[rows]))

@@ -41,7 +41,7 @@ class Coupling(Table):
         unit="s",
         about=(
             "coupling window; auto: up to four fluid steps, with α = ρ_f c Δt/(ρ_s t) at most 0.07, and at most 0.5 "
-            "with a soft structure's spacing dx for t"
+            "with a soft structure's spacing dx for t; one fluid step where it is iterated"
         ),
     )
     predictor: Literal[0, 1, 2] = key(0, about="order of the extrapolation from past windows")

@@ -168,8 +168,12 @@ class Fluid(Table):
         ge=0.0,
         le=0.3,
     )
-    structure_acceleration: bool = key(
-        True, about="the structure's mean acceleration enters the ghost pressure (eq. 14)"
+    structure_acceleration: bool | Literal["auto"] = key(
+        "auto",
+        about=(
+            "whether the structure's mean acceleration enters the ghost pressure (eq. 14); auto: where the structure "
+            "outweighs one layer of fluid particles, ρ_f dx ≤ ρ_s t: a lighter one is driven by it"
+        ),
     )
     column: Column = key(Column(), about="what model column is like")
     periodic: Periodic = key(Periodic(), about="{ x = [x0, x1], y = [y0, y1] }: periodic directions; absent: none")
