@@ -7,7 +7,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from coupler.window import SPEED_UP, alpha_rate, window_length
+from coupler.window import SPEED_UP, alpha_rate, make_plan, window_length
 from shared.contract import Description
 from shared.schema_coupling import Coupling
 
@@ -50,3 +50,11 @@ def test_a_soft_plate_of_many_layers_gets_the_window_that_one_layer_bears(wave_s
     fluid, solid = sides(2.44e-5, 0.012, 24.0, wave_speed)
     solid = replace(solid, spacing=5e-4)
     assert window_length(Coupling(), fluid, solid) == pytest.approx(steps * 2.44e-5 / (1 + SPEED_UP))
+
+
+@pytest.mark.parametrize("scheme", ["auto", "serial-implicit", "parallel-implicit"])
+def test_an_iterated_window_holds_one_fluid_step(scheme):
+    plan = make_plan(Coupling(scheme=scheme), *sides(1e-4, 0.001), r=100.0)
+    assert plan.scheme.endswith("implicit")
+    assert plan.window == pytest.approx(1e-4 / (1 + SPEED_UP))
+    assert make_plan(Coupling(scheme=scheme, window=0.01), *sides(1e-4, 0.001), r=100.0).window == 0.01
