@@ -37,7 +37,7 @@ class Taker(Protocol):
 
     def __call__(self, c: Coupled, window: Window) -> Outcome: ...
 
-    def heed(self, window: Window, warning: str) -> None: ...
+    def heed(self, window: Window, warning: str) -> bool: ...
 
     def state(self) -> State: ...
 
@@ -80,8 +80,9 @@ class Fixed:
         """Take one window."""
         return self._scheme(c, window, self._how)
 
-    def heed(self, window: Window, warning: str) -> None:
+    def heed(self, window: Window, warning: str) -> bool:
         """What the ledger says of `window`: the scheme stays, and the ledger stops the run at its limit."""
+        return False
 
     def state(self) -> State:
         """What the acceleration remembers."""
@@ -112,7 +113,7 @@ class Auto:
     def __init__(self, plan: Plan, coupling: Coupling):
         self._plan = plan
         self._measure = Measure.of(coupling)
-        self._explicit = plan.scheme == "serial-explicit"
+        self._explicit, self._left = plan.scheme == "serial-explicit", False
         # A splash that no iteration resolves must not end the run: such windows are counted, and the ledger watches.
         self._implicit = Iteration(make_acceleration(coupling), self._measure, coupling.max_iterations, True)
         self._plain = Plain()
@@ -136,10 +137,12 @@ class Auto:
         self._watch(window, outcome)
         return outcome
 
-    def heed(self, window: Window, warning: str) -> None:
-        """Leave lagged exchange when the ledger warns of it after `window`."""
+    def heed(self, window: Window, warning: str) -> bool:
+        """Leave lagged exchange when the ledger warns of it after `window`; whether it was left in this window."""
         if warning and self._explicit:
             self._step_up(window, warning)
+        left, self._left = self._left, False
+        return left
 
     def state(self) -> State:
         """Where it stands between the schemes, and what it watches."""
@@ -175,7 +178,7 @@ class Auto:
             self._step_up(window, f"the lagged load overshot {_SWINGS} windows in a row, each time by more")
 
     def _step_up(self, window: Window, why: str) -> None:
-        self._explicit = False
+        self._explicit, self._left = False, True
         reason = f"window {window.index}, t = {window.t0:.4g} s: serial-explicit to serial-implicit: {why}"
         log.info("auto: %s", reason)
         self._plan.reasons.append(reason)

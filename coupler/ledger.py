@@ -52,6 +52,7 @@ _SUMS = (
     "impulse_structure",
     "work",
     "work_fluid",
+    "excused",
     "largest_work",
     "largest_impulse",
     "mapping_error",
@@ -97,6 +98,7 @@ class Ledger:
         self._impulse_structure = np.zeros(2)
         self._work = 0.0
         self._work_fluid = 0.0
+        self._excused = 0.0  # energy that lag made before the exchange was iterated
         self._largest_work = 0.0
         self._largest_impulse = 0.0
         self._mapping_error = 0.0
@@ -139,9 +141,13 @@ class Ledger:
         share = (self._work + self._work_fluid) / (self._largest_work or 1.0)
         return f"lag has made {share:+.0%} of the work at the interface" if self._warm == _WARM_FOR else ""
 
+    def excuse(self) -> None:
+        """Count energy from now on: what made it so far has been changed."""
+        self._excused, self._past, self._warm = self._work + self._work_fluid, 0, 0
+
     def _energy(self) -> float:
         """Energy that lag has made or lost, over the largest work; none while it is lost of a work that grows."""
-        lag = self._work + self._work_fluid
+        lag = self._work + self._work_fluid - self._excused
         return 0.0 if lag < 0.0 and self._growing else abs(lag) / (self._largest_work or 1.0)
 
     def _check(self) -> None:

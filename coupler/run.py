@@ -192,7 +192,8 @@ def march(
                 outcome = take(c, window)
                 row = probes(c)
                 record.at(window.t1, row)
-                take.heed(window, ledger.record(window, outcome))
+                if take.heed(window, ledger.record(window, outcome)):
+                    ledger.excuse()
                 told.add(window, outcome)
                 counts["iterations"] += len(outcome.changes)
                 counts["most"] = max(counts["most"], len(outcome.changes))

@@ -62,8 +62,8 @@ def march(c: Coupled, take, clock: Clock, windows: int, along=(1.0, 0.0), ledger
     outcomes, places, times = [], [c.points.position], [0.0]
     for window in map(clock.window, range(windows)):
         outcomes.append(take(c, window))
-        if ledger is not None:
-            take.heed(window, ledger.record(window, outcomes[-1]))
+        if ledger is not None and take.heed(window, ledger.record(window, outcomes[-1])):
+            ledger.excuse()
         places.append(c.points.position)
         times.append(window.t1)
     moved = (np.array(places) - places[0]).mean(axis=1) @ np.array(along)

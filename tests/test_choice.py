@@ -141,6 +141,20 @@ def test_energy_that_stays_lost_is_warned_of_and_ends_the_run(tmp_path):
         strict.record(clock.window(20), one_window(0.0, 0.0))
 
 
+def test_energy_made_before_the_exchange_was_iterated_does_not_end_the_run(tmp_path):
+    ledger, clock = Ledger(tmp_path / "ledger.csv", Limits(energy=0.4, impulse=1e9)), Clock(1.0, 300)
+    ledger.record(clock.window(0), one_window(1.5, 1.0))
+    for k in range(1, 15):
+        ledger.record(clock.window(k), one_window(0.0, 0.0))
+    ledger.excuse()
+    for k in range(15, 100):
+        assert ledger.record(clock.window(k), one_window(0.0, 0.0)) == ""
+    assert ledger.summary()["work_error"] == pytest.approx(0.5 / 1.5)
+    ledger.record(clock.window(100), one_window(3.5, 1.0))
+    with pytest.raises(LedgerExceeded):
+        list(map(ledger.record, map(clock.window, range(101, 130)), [one_window(0.0, 0.0)] * 29))
+
+
 def test_the_ledger_leaves_an_iterated_column_alone(tmp_path):
     ledger = Ledger(tmp_path / "ledger.csv", Limits(energy=1e-3, impulse=1e-3))
     couple(piston(["end_time=0.5"], window=2e-3, scheme="serial-implicit"), ledger=ledger)

@@ -58,3 +58,9 @@ def test_an_iterated_window_holds_one_fluid_step(scheme):
     assert plan.scheme.endswith("implicit")
     assert plan.window == pytest.approx(1e-4 / (1 + SPEED_UP))
     assert make_plan(Coupling(scheme=scheme, window=0.01), *sides(1e-4, 0.001), r=100.0).window == 0.01
+
+
+def test_an_iterated_window_on_columns_resolves_the_plate():
+    fluid, solid = sides(1e-3, 0.001)
+    plan = make_plan(Coupling(scheme="serial-implicit"), replace(fluid, model="column"), solid, r=100.0)
+    assert alpha_rate(fluid, solid) * plan.window == pytest.approx(0.25)
