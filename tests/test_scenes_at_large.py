@@ -10,6 +10,7 @@ import pytest
 
 from coupler.run import run_coupled
 from fluid_solver.models import make_model
+from shared.contract import ShearwaterError
 from shared.geometry import fill
 from shared.scene import load_scene
 from shared.schema import Scene
@@ -355,6 +356,12 @@ def test_a_drop_of_millimetres_does_not_turn_a_gel_inside_out(tmp_path):
     assert result["cost"]["coupling"]["scheme"] == "serial-implicit"
     assert -5.0e-5 < result["probes"]["mid"]["min"] < -1.0e-6  # no further than the drop would come in 0.05 ms
     assert abs(result["ledger"]["work_error"]) < 1e-3
+
+
+def test_an_impact_in_a_long_iterated_window_is_named(tmp_path):
+    """The same in windows of four fluid steps."""
+    with pytest.raises(ShearwaterError, match=r"The solid failed at t = .* reference position"):
+        coupled(tmp_path, DROP_ON_A_GEL.replace("[output]", "[coupling]\nwindow = 1.02e-5\n\n[output]"))
 
 
 def test_mercury_rests_on_a_membrane_lighter_than_a_layer_of_it(tmp_path):
