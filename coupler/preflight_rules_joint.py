@@ -101,7 +101,7 @@ def ghost_acceleration(scene: Scene, n: Numbers) -> Finding | None:
         return None
     value = ghost_inertia(scene)
     if not ghosts_feel_acceleration(scene):
-        return Finding("ghost acceleration", value, "ok", "left out: the plate hardly outweighs one layer of water")
+        return Finding("ghost acceleration", value, "ok", "left out: one layer of water outweighs the plate")
     verdict = above(value, LARGEST_INERTIA)
     if verdict == "ok":
         return Finding("ghost acceleration", value, verdict, "the plate outweighs the water of one layer")

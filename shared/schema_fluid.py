@@ -172,7 +172,7 @@ class Fluid(Table):
         "auto",
         about=(
             "whether the structure's mean acceleration enters the ghost pressure (eq. 14); auto: where the structure "
-            "outweighs one layer of fluid particles well, ρ_f dx ≤ 0.3 ρ_s t: a lighter one is driven by it"
+            "outweighs one layer of fluid particles, ρ_f dx ≤ ρ_s t: a lighter one is driven by it"
         ),
     )
     column: Column = key(Column(), about="what model column is like")

@@ -65,7 +65,7 @@ def _gate() -> list[Row]:
 
 
 def _buoyancy() -> list[Row]:
-    case, light = "cantilever_in_water", ("solid.density=500", "solid.damping=60")
+    case, light = "cantilever_in_water", ("solid.density=500",)
     return [
         Row("buoyancy, ρ_s 1500", case, (), "tip_y", "mean", -ALONE, 0.03, cost=120),
         Row("buoyancy, ρ_s 500", case, light, "tip_y", "mean", ALONE, 0.03, cost=120),

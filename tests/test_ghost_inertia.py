@@ -15,7 +15,7 @@ from shared.scene import load_scene
         ("light_gate", 1000.0 * 3e-3 / (75.0 * 0.012), False),
     ],
 )
-def test_a_structure_that_outweighs_a_layer_of_water_well_is_felt(case, inertia, feels):
+def test_a_structure_that_outweighs_a_layer_of_water_is_felt(case, inertia, feels):
     scene = load_scene(case)
     assert ghost_inertia(scene) == pytest.approx(inertia)
     assert ghosts_feel_acceleration(scene) is feels
