@@ -65,7 +65,9 @@ def run(
     case: Case,
     out: Out = None,
     sets: Sets = None,
-    threads: Annotated[str, typer.Option(help="Like fluid=2,solid=1; default: all cores for each.")] = "",
+    threads: Annotated[
+        list[str] | None, typer.Option(help="Like fluid=2,solid=1; default: all cores for each.")
+    ] = None,
     link: Annotated[
         LinkKind, typer.Option(help="Two processes over zenoh, or both sides in this one.")
     ] = LinkKind.zenoh,
@@ -76,7 +78,7 @@ def run(
     force: Annotated[bool, typer.Option("--force", help="Run although pre-flight refuses the scene.")] = False,
 ) -> None:
     """Start both solvers, couple them, and write a run directory."""
-    counts = parse_threads(threads)
+    counts = parse_threads(",".join(threads or ()))
     scene = load_scene(case, sets or ())
     warn(scene)
     found = preflight(scene)
@@ -95,7 +97,7 @@ def run(
 @app.command()
 def resume(
     run_dir: RunDir,
-    threads: Annotated[str, typer.Option(help="Like fluid=2,solid=1; default: as it ran.")] = "",
+    threads: Annotated[list[str] | None, typer.Option(help="Like fluid=2,solid=1; default: as it ran.")] = None,
     link: Annotated[
         LinkKind, typer.Option(help="Two processes over zenoh, or both sides in this one.")
     ] = LinkKind.zenoh,
@@ -104,8 +106,8 @@ def resume(
     """Go on with a run that was cut short, from its last checkpoint, to the same bytes as without the break."""
     scene, last = unfinished(run_dir)
     if len(last.notes["threads"]) == 1:
-        raise SystemExit(resume_one_side(run_dir, *last.notes["threads"], threads, quiet))
-    counts = parse_threads(threads) if threads else last.notes["threads"]
+        raise SystemExit(resume_one_side(run_dir, *last.notes["threads"], ",".join(threads or ()), quiet))
+    counts = parse_threads(",".join(threads)) if threads else last.notes["threads"]
     conclude_coupled(resume_coupled(run_dir, last, scene, counts, link.value, quiet), scene, quiet)
 
 

@@ -142,6 +142,8 @@ def test_threads_and_directories(command, tmp_path):
     for text in ("fluid=0", "water=1", "fluid=x", "2"):
         code, errors = command("coupler", "dam_break_plate", "--threads", text)
         assert (code, text in errors) == (2, True)
+    code, errors = command("coupler", "dam_break_plate", "--threads", "fluid=0", "--threads", "solid=1")
+    assert (code, "fluid=0" in errors) == (2, True)  # given twice, both count
     assert command("fluid_solver", "dam_break", "--threads", "0")[0] == 2
     (tmp_path / "full").mkdir()
     (tmp_path / "full" / "thesis.tex").touch()
