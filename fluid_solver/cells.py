@@ -26,6 +26,7 @@ SEGMENT = 32  # cells of a row that share a buffer
 BLOCK = 4096  # particles per task of an elementwise loop
 CHUNKS = 48  # tasks of a sweep; fixed, so that nothing depends on the thread count
 SORTS = 16  # tasks of a sort, at most
+PIECE = 16384  # cells of which one task makes starts from counts
 MAX_CELLS = 8_000_000
 _NOT_NEGATIVE = 2**62 - 1
 
@@ -99,45 +100,42 @@ def find_cells(S, kind, count, lead, origin, inv_cell, grid, key, parked_key, sp
 
 
 @parallel_njit
-def count_cells(key, count, spans, start, order):
+def count_cells(key, count, spans, start, rank, order):
     """Starts of the cells and sorted order of the first `count` particles by `key`, equal ones as they stood.
 
-    Each task sorts a range of keys. Particles stand in the order of the sort before, so that nearly all of a task's
-    lie in few blocks, and ranges cut at every so many particles are of like work.
+    A task counts a range of keys. Particles stand in the order of the sort before, so that nearly all of a task's lie
+    in few blocks, and ranges cut at every so many particles are of like work. Counts become starts in pieces of as many
+    cells each: most of a tank may be empty. `rank`: place of a particle in its cell.
     """
     blocks = (count + BLOCK - 1) // BLOCK
     tasks = max(1, min(SORTS, blocks // 2))  # each goes through whole blocks
     first = np.zeros(tasks + 1, dtype=np.int64)  # key of each task
-    total = np.zeros(tasks + 1, dtype=np.int64)
     for task in range(1, tasks):
         first[task] = max(first[task - 1], key[task * count // tasks])
-    first[tasks] = start.size - 1
+    first[tasks] = start.size
+    pieces = (start.size + PIECE - 1) // PIECE
+    before = np.zeros(pieces + 1, dtype=np.int32)  # particles in the pieces before each
+    for piece in numba.prange(pieces):
+        start[piece * PIECE : piece * PIECE + PIECE] = 0
     for task in numba.prange(tasks):
         lo, hi = first[task], first[task + 1]
-        for k in range(lo + 1, hi + 1):
-            start[k] = 0
-        found = 0
         for block in range(blocks):
             if spans[block, 0] < hi and spans[block, 1] >= lo:
                 for i in range(block * BLOCK, min(block * BLOCK + BLOCK, count)):
                     if lo <= key[i] < hi:
-                        start[key[i] + 1] += 1
-                        found += 1
-        total[task + 1] = found
-    for task in range(tasks):
-        total[task + 1] += total[task]
-    start[0] = 0
-    for task in numba.prange(tasks):
-        lo, hi = first[task], first[task + 1]
-        begin = total[task]
-        for k in range(lo + 1, hi + 1):  # for now, where the cell's next particle goes
-            begin, start[k] = begin + start[k], begin
-        for block in range(blocks):
-            if spans[block, 0] < hi and spans[block, 1] >= lo:
-                for i in range(block * BLOCK, min(block * BLOCK + BLOCK, count)):
-                    if lo <= key[i] < hi:
-                        order[start[key[i] + 1]] = i
-                        start[key[i] + 1] += 1
+                        rank[i] = start[key[i]]
+                        start[key[i]] += 1
+    for piece in numba.prange(pieces):
+        before[piece + 1] = np.sum(start[piece * PIECE : piece * PIECE + PIECE])
+    for piece in range(pieces):
+        before[piece + 1] += before[piece]
+    for piece in numba.prange(pieces):
+        here = before[piece]
+        for k in range(piece * PIECE, min(piece * PIECE + PIECE, start.size)):
+            here, start[k] = here + start[k], here
+    for block in numba.prange(blocks):
+        for i in range(block * BLOCK, min(block * BLOCK + BLOCK, count)):
+            order[start[key[i]] + rank[i]] = i
 
 
 @parallel_njit

@@ -52,7 +52,7 @@ class Store:
         self._carried = np.setdiff1d(np.arange(S.shape[0]), unused)
         self.S, self.kind, self.ids = _with_slack(S), kind.astype(np.int8), np.arange(n)
         self._spare = _with_slack(S), np.empty_like(self.kind), np.empty_like(self.ids)
-        self._key, self._order = np.empty(n, dtype=np.int64), np.empty(n, dtype=np.int64)
+        self._key, self._rank, self._order = (np.empty(n, dtype=np.int32) for _ in range(3))
         self._found, self._spans = np.empty((5, n // BLOCK + 1)), np.empty((n // BLOCK + 1, 2), dtype=np.int64)
         self._cells = np.zeros(2, dtype=np.int32)
         self._support, self._domain, self._period = support, domain, period
@@ -96,7 +96,7 @@ class Store:
         margin = lead * fluid
         origin, inv_cell = self._lay_cells(np.array([[x0 - margin, x1 + margin], [y0 - margin, y1 + margin]]))
         find_cells(S, kind, count, lead, origin, inv_cell, self.grid, self._key, len(self.start) - 2, self._spans)
-        count_cells(self._key, count, self._spans, self.start, self._order)
+        count_cells(self._key, count, self._spans, self.start, self._rank, self._order)
         S2, kind2, ids2 = self._spare
         permute(S, self._carried, kind, self.ids, self._order, count, S2, kind2, ids2)
         self._spare = S, kind, self.ids
