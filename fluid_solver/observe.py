@@ -60,11 +60,11 @@ class Observer:
         if not chosen.any():
             return 0.0
         if quantity == "max-speed":
-            return np.hypot(S[U, chosen], S[V, chosen]).max()
+            return fastest_of(S, chosen)
         if quantity == "kinetic-energy":
-            return kinetic(S[:, chosen])
+            return kinetic(S, chosen)
         if quantity == "total-energy":
-            return kinetic(S[:, chosen]) + stored(S[:, chosen], self._c)
+            return kinetic(S, chosen) + stored(S, chosen, self._c)
         axis = X if quantity == "front-x" else Y
         return self._front(S, chosen, axis)
 
@@ -87,15 +87,35 @@ class Observer:
         return ~structure & (self._ghosts.owner == self._walls[name])
 
 
-def kinetic(S: np.ndarray) -> float:
-    """Kinetic energy [J/m] of particles with state `S` (ROWS, n)."""
-    return float(0.5 * np.sum(S[M] * (S[U] ** 2 + S[V] ** 2)))
+@njit
+def fastest_of(S, chosen):
+    """Largest speed [m/s] of the `chosen` (n,) particles."""
+    u2 = 0.0
+    for i in range(chosen.size):
+        if chosen[i]:
+            u2 = max(u2, S[U, i] * S[U, i] + S[V, i] * S[V, i])
+    return np.sqrt(u2)
 
 
-def stored(S: np.ndarray, c) -> float:
+@njit
+def kinetic(S, chosen):
+    """Kinetic energy [J/m] of the `chosen` (n,) particles."""
+    total = 0.0
+    for i in range(chosen.size):
+        if chosen[i]:
+            total += 0.5 * S[M, i] * (S[U, i] * S[U, i] + S[V, i] * S[V, i])
+    return total
+
+
+@njit
+def stored(S, chosen, c):
     """Energy [J/m] in the height, zero at the origin, and in the compression: ∫ p/ρ² dρ = c²(ln ρ/ρ0 + ρ0/ρ − 1)."""
-    squeezed = np.log(S[RHO] / c.rho0) + c.rho0 / S[RHO] - 1.0
-    return float(np.sum(S[M] * (c.c0**2 * squeezed - c.gx * S[X] - c.gy * S[Y])))
+    total = 0.0
+    for i in range(chosen.size):
+        if chosen[i]:
+            squeezed = np.log(S[RHO, i] / c.rho0) + c.rho0 / S[RHO, i] - 1.0
+            total += S[M, i] * (c.c0 * c.c0 * squeezed - c.gx * S[X, i] - c.gy * S[Y, i])
+    return total
 
 
 @njit
@@ -117,6 +137,8 @@ def inside_walls(S, start, grid, reach):
     """Number of fluid particles nearer than `reach` [m] to a ghost."""
     found = 0
     for cell in range(grid.columns, grid.columns * (grid.rows - 1)):
+        if start[2 * cell] == start[2 * cell + 1] or not ghosts_around(start, grid, cell):
+            continue
         for a in range(start[2 * cell], start[2 * cell + 1]):
             nearest = np.inf
             for j in range(-1, 2):
@@ -127,3 +149,14 @@ def inside_walls(S, start, grid, reach):
             if nearest < reach * reach:
                 found += 1
     return found
+
+
+@njit
+def ghosts_around(start, grid, cell):
+    """Whether any cell within the support holds a ghost."""
+    for j in range(-1, 2):
+        for i in range(-COLUMNS, COLUMNS + 1):
+            other, _, _ = neighbour(grid, cell % grid.columns + i, cell // grid.columns + j)
+            if start[2 * other + 1] < start[2 * other + 2]:
+                return True
+    return False

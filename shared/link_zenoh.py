@@ -31,7 +31,8 @@ from shared.contract import ParticipantLost, ShearwaterError
 # One thread for all of zenoh's own work instead of one for each kind of it, through which every message is handed on: a
 # third off a round trip of 100 kB (0.25 to 0.17 ms), and fewer threads beside those that compute. Read when the first
 # session opens.
-os.environ.setdefault("ZENOH_RUNTIME", "(" + ", ".join(f"{k}: (handover: app)" for k in ("acc", "net", "rx", "tx")) + ")")
+_ONE_THREAD = "(acc: (handover: app), net: (handover: app), rx: (handover: app), tx: (handover: app))"
+os.environ.setdefault("ZENOH_RUNTIME", _ONE_THREAD)
 
 _CONNECT_TIMEOUT_S = 20.0
 _HEARTBEAT_PERIOD_S = 1.0
