@@ -28,7 +28,7 @@ from fluid_solver.terms import (
     shifting_weight,
 )
 from shared.jit import inline_njit, parallel_njit
-from shared.kernels import kernel_f, kernel_w
+from shared.kernels import f_shape, w_shape
 
 NEGLIGIBLE = 0.1  # of c0: relative speeds below it need no looking at every pair
 _ROWS = (X, Y, GX, GY, M, VOL, PR2, FRICTION)
@@ -36,11 +36,15 @@ _ROWS_SHIFTING = (*_ROWS, NX, NY)
 
 
 @inline_njit
-def pair_force(viscous, rx, ry, ux, uy, m_b, vol_b, pr2_b, friction, pr2_a, inv_rho_a, F, c):
-    """Acceleration (x, y) [m/s²] that b adds to a. Times m_a it is antisymmetric in a and b, to rounding."""
+def pair_force(viscous, rx, ry, ux, uy, m_b, vol_b, pr2_b, friction, pr2_a, inv_rho_a, F, alpha_h_c, c):
+    """Acceleration (x, y) [m/s²] that b adds to a with `F` [1/m⁴]. Times m_a it is antisymmetric in a and b.
+
+    `alpha_h_c`: α h c0/ρ0 [m⁵/(kg s)].
+    """
     r2 = rx * rx + ry * ry
-    along = pressure_force(m_b, pr2_a, pr2_b)
-    along += artificial_viscosity(friction * m_b, rx, ry, ux, uy, r2, c.h, c.alpha * c.h * c.c0 / c.rho0)
+    along = pressure_force(pr2_a, pr2_b)
+    along += alpha_h_c * (friction * artificial_viscosity(rx, ry, ux, uy, r2, c.h))
+    along *= m_b
     if viscous:
         along += laminar_viscosity(mean_specific_mass(m_b, vol_b, inv_rho_a), rx, ry, ux, uy, r2, c.h, c.nu)
     return along * F * rx, along * F * ry
@@ -58,7 +62,7 @@ def make_forces(kernel: int, viscous: bool, shifting: bool):
         Leaves per task in `fastest` the largest relative speed, squared [m²/s²], between a fluid particle and another
         in reach, or a bound of it where that is `NEGLIGIBLE`.
         """
-        inv_w_dx = 1.0 / c.w_dx
+        alpha_h_c = c.alpha * c.h * c.c0 / c.rho0
         negligible = (NEGLIGIBLE * c.c0) ** 2
         for chunk in numba.prange(edges.size - 1):
             b = buffers[chunk]
@@ -88,12 +92,13 @@ def make_forces(kernel: int, viscous: bool, shifting: bool):
                             rx = xa - b[0, k]
                             ry = ya - b[1, k]
                             r2 = rx * rx + ry * ry
-                            F = c.gradient * kernel_f(kernel, r2, c.h)
+                            F = f_shape(kernel, r2, c.h)  # c.slope follows with the sums
                             ux = ua - b[2, k]
                             uy = va - b[3, k]
                             fx, fy = pair_force(
-                                viscous, rx, ry, ux, uy, b[4, k], b[5, k], b[6, k], b[7, k], pr2_a, inv_rho_a, F, c
-                            )
+                                viscous, rx, ry, ux, uy, b[4, k], b[5, k], b[6, k], b[7, k],
+                                pr2_a, inv_rho_a, F, alpha_h_c, c,
+                            )  # fmt: skip
                             ax += fx
                             ay += fy
                             if shifting:
@@ -102,12 +107,13 @@ def make_forces(kernel: int, viscous: bool, shifting: bool):
                                 ax -= carried * ux
                                 ay -= carried * uy
                                 div_r -= vol_f * r2
-                                weight = shifting_weight(vol_f, kernel_w(kernel, r2, c.h) * inv_w_dx)
+                                weight = shifting_weight(vol_f, c.pairing * w_shape(kernel, r2, c.h))
                                 cx += weight * rx
                                 cy += weight * ry
-                        S[AX, a] = ax + c.gx
-                        S[AY, a] = ay + c.gy
+                        S[AX, a] = c.slope * ax + c.gx
+                        S[AY, a] = c.slope * ay + c.gy
                         if shifting:
+                            cx, cy, div_r = c.slope * cx, c.slope * cy, c.slope * div_r
                             near_x, near_y = sum_of_normals(kernel, xa, ya, b, lo, hi, c) if surface else (0.0, 0.0)
                             dx, dy = shift_velocity(cx, cy, near_x, near_y, div_r, u_max, c)
                             S[SX, a], S[SY, a] = dx, dy
@@ -152,12 +158,12 @@ def any_surface(b, lo, hi):
 
 @inline_njit
 def sum_of_normals(kernel, xa, ya, b, lo, hi, c):
-    """Kernel sum at (xa, ya) of the candidates' surface normals."""
+    """Kernel sum at (xa, ya) of the candidates' surface normals, without the kernel's scale."""
     near_x = near_y = 0.0
     for k in range(lo, hi):
         rx = xa - b[0, k]
         ry = ya - b[1, k]
-        w = kernel_w(kernel, rx * rx + ry * ry, c.h)
+        w = w_shape(kernel, rx * rx + ry * ry, c.h)
         near_x += w * b[8, k]
         near_y += w * b[9, k]
     return near_x, near_y

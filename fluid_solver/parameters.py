@@ -9,10 +9,11 @@ from typing import NamedTuple
 import numpy as np
 
 from shared.fluid_step import COURANT, LARGEST_COURANT
-from shared.kernels import Kernel, evaluate
+from shared.kernels import Kernel, evaluate, f_scale, w_scale
 from shared.schema import Scene
 from shared.schema_fluid import Fluid
 
+PAIRING = 0.2  # R of Sun et al. (2019): weight of the term against pairing
 EDAC_ALPHA = 0.5  # ν_e = EDAC_ALPHA h c0/8 (Ramachandran & Puri 2019)
 _WEAKEST = {"limited": -0.01, "none": 0.0, "free": -math.inf}
 """Lowest pressure over ρ0 c0². Limited: c0 is ten times the largest speed expected, so this is twice the flow's own
@@ -33,8 +34,8 @@ class Parameters(NamedTuple):
     nu_edac: float  # diffusivity of the EDAC pressure [m²/s]
     gx: float  # gravity [m/s²]
     gy: float
-    w_dx: float  # W at the distance dx [1/m²]
-    gradient: float  # factor on ∇W, see gradient_factor
+    slope: float  # F over the kernel's f_shape [1/m⁴], times gradient_factor
+    pairing: float  # W over the kernel's w_shape, over W at the distance dx, times PAIRING^¼
     weakest: float  # lowest pressure, the tension that is kept [Pa]; −∞ for any
 
 
@@ -42,14 +43,23 @@ def parameters(scene: Scene, kernel: Kernel, c0: float) -> Parameters:
     """The scene's numbers, with sound speed `c0` [m/s]."""
     fluid = scene.fluid
     h = fluid.h_over_dx * fluid.dx
-    w_dx = evaluate(kernel, np.array([fluid.dx]), h)[0][0]
     gx, gy = scene.gravity
     values = (
         h, fluid.dx, kernel.support * h, fluid.density, c0, fluid.alpha, fluid.viscosity, EDAC_ALPHA * h * c0 / 8.0,
-        gx, gy, w_dx, gradient_factor(kernel, fluid.h_over_dx),
+        gx, gy, slope_of(kernel, h, fluid.dx), pairing_of(kernel, h, fluid.dx),
         _WEAKEST[fluid.negative_pressure] * fluid.density * c0**2,
     )  # fmt: skip
     return Parameters(*(float(value) for value in values))
+
+
+def slope_of(kernel: Kernel, h: float, dx: float) -> float:
+    """F over its shape [1/m⁴], with the factor on ∇W, for smoothing length `h` [m] and spacing `dx` [m]."""
+    return f_scale(kernel.code, h) * gradient_factor(kernel, h / dx)
+
+
+def pairing_of(kernel: Kernel, h: float, dx: float) -> float:
+    """The factor on the shape of W whose fourth power is PAIRING (W/W(dx))⁴."""
+    return PAIRING**0.25 * w_scale(kernel.code, h) / evaluate(kernel, np.array([dx]), h)[0][0]
 
 
 def gradient_factor(kernel: Kernel, h_over_dx: float) -> float:

@@ -23,7 +23,7 @@ from fluid_solver.gather import gather, run_of, with_targets
 from fluid_solver.surface import ISOLATED
 from fluid_solver.terms import pressure_diffusion, transport, velocity_divergence
 from shared.jit import parallel_njit
-from shared.kernels import kernel_f
+from shared.kernels import f_shape
 
 FORGETTING = 0.2  # rate in c0/h: fast beside the flight of a drop, slow beside a step
 _ROWS = (X, Y, GX, GY, VOL)
@@ -57,15 +57,15 @@ def make_rates(kernel: int, transported: bool):
                             rx = xa - b[0, k]
                             ry = ya - b[1, k]
                             r2 = rx * rx + ry * ry
-                            F = c.gradient * kernel_f(kernel, r2, c.h)
+                            F = f_shape(kernel, r2, c.h)  # c.slope follows with the sums
                             div_r -= b[4, k] * F * r2
                             div += velocity_divergence(b[4, k], rx, ry, ua - b[2, k], va - b[3, k], F)
                             if transported:
                                 p_ab = p_a - b[7, k]
                                 p_rate += transport(b[4, k], p_ab, rx, ry, b[5, k], b[6, k], F)
                                 p_rate += pressure_diffusion(b[4, k], p_ab, rx, ry, rho_gx, rho_gy, c.nu_edac, F)
-                        R[DP, a] = rho_a * c.c0 * c.c0 * div + p_rate
-                        if div_r < ISOLATED:
+                        R[DP, a] = c.slope * (rho_a * c.c0 * c.c0 * div + p_rate)
+                        if c.slope * div_r < ISOLATED:
                             R[DP, a] -= FORGETTING * c.c0 / c.h * min(0.0, p_a)
 
     return rates

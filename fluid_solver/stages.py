@@ -6,9 +6,10 @@ either sweep and a division in that of forces, which pass one by one through a u
 half of what a sweep takes, and additions and products, of which the peak is made, fill a third of their slots.
 
 Tried without gain on a machine of 57 GFLOP/s multiply-add and 22 GB/s copy per core: three or four columns per support
-(fewer candidates in shorter runs), sorting keys on two threads, gathering field by field, 512-bit registers, and roots
-by way of float32 and Newton's steps, whose arithmetic takes as long as the root that it saves. Not tried, for order in
-time would be lost: rates and forces in one sweep.
+(fewer candidates in shorter runs); rows half as high and columns half as wide (41 candidates in place of 54, but the
+copying takes 40 ns a particle in place of 10, for the cells are so many); sorting keys on two threads, gathering field
+by field, 512-bit registers; roots by way of float32, whose conversions take as long as they save, with Newton's steps
+or without. Not tried, for order in time would be lost: rates and forces in one sweep.
 """
 
 from __future__ import annotations
@@ -19,7 +20,7 @@ import numpy as np
 
 from fluid_solver.cells import COLUMNS
 
-OPERATIONS = {"wcsph": {"rates": 25, "forces": 33}, "ctvf": {"rates": 40, "forces": 56}}
+OPERATIONS = {"wcsph": {"rates": 21, "forces": 30}, "ctvf": {"rates": 35, "forces": 55}}
 """Floating-point operations per candidate, root and division counted as one, by hand from terms.py and kernels.py."""
 _STAGES = {
     "_ghost_velocity": "ghosts' velocities",

@@ -39,9 +39,9 @@ def pressure_diffusion(vol_b, p_ab, rx, ry, rho_gx, rho_gy, nu_edac, F):
 
 
 @inline_njit
-def pressure_force(m_b, pr2_a, pr2_b):
-    """−m_b (p_a/ρ_a² + p_b/ρ_b²), to be multiplied by ∇W [m/s²]."""
-    return -m_b * (pr2_a + pr2_b)
+def pressure_force(pr2_a, pr2_b):
+    """−(p_a/ρ_a² + p_b/ρ_b²), to be multiplied by m_b ∇W [m/s²]."""
+    return -(pr2_a + pr2_b)
 
 
 @inline_njit
@@ -51,13 +51,13 @@ def mean_specific_mass(m_b, vol_b, inv_rho_a):
 
 
 @inline_njit
-def artificial_viscosity(m_b, rx, ry, ux, uy, r2, h, alpha_h_c):
-    """−m_b Π_ab = α h c φ m_b/ρ0 of approaching pairs, φ = u_ab·r_ab/(r² + EPS), to be multiplied by ∇W.
+def artificial_viscosity(rx, ry, ux, uy, r2, h):
+    """−Π_ab ρ0/(α h c0) = φ of approaching pairs, φ = u_ab·r_ab/(r² + EPS h²), to be multiplied by m_b ∇W.
 
     Monaghan (1992), with the sign that makes Π positive on approach, adding to the pressure, and ρ0 for the mean
-    density of the pair: they differ by the compression (1 %). `alpha_h_c`: α h c0/ρ0.
+    density of the pair: they differ by the compression (1 %).
     """
-    return m_b * alpha_h_c * min(0.0, ux * rx + uy * ry) / (r2 + EPS * h * h)
+    return min(0.0, ux * rx + uy * ry) / (r2 + EPS * h * h)
 
 
 @inline_njit
@@ -72,6 +72,6 @@ def laminar_viscosity(g_b, rx, ry, ux, uy, r2, h, nu):
 
 @inline_njit
 def shifting_weight(vol_f, s):
-    """V_b F [1 + 0.2 s⁴], s = W/W(dx), to be multiplied by r_ab: Sun et al. (2019), against pairing."""
+    """V_b F [1 + s⁴], s⁴ = 0.2 (W/W(dx))⁴, to be multiplied by r_ab: Sun et al. (2019), against pairing."""
     s2 = s * s
-    return vol_f + vol_f * (0.2 * s2 * s2)
+    return vol_f + vol_f * (s2 * s2)

@@ -46,7 +46,7 @@ from fluid_solver.fields import (
 from fluid_solver.forces import pair_force
 from fluid_solver.gather import gather, run_of, with_targets
 from shared.jit import inline_njit, parallel_njit
-from shared.kernels import kernel_f, kernel_w
+from shared.kernels import f_shape, kernel_w
 
 _ROWS = (X, Y, U, V, M, VOL, PR2, P, RHO)
 _ROWS_VELOCITY = (X, Y, U, V)
@@ -112,6 +112,7 @@ def make_ghosts(kernel: int, viscous: bool):
 
         A ghost's place in `force` is its id less `first_id`.
         """
+        alpha_h_c = c.alpha * c.h * c.c0 / c.rho0
         for chunk in numba.prange(edges.size - 1):
             b = buffers[chunk]
             for segment in range(edges[chunk], edges[chunk + 1]):
@@ -130,10 +131,10 @@ def make_ghosts(kernel: int, viscous: bool):
                         for k in range(lo, hi):
                             rx = xa - b[0, k]
                             ry = ya - b[1, k]
-                            F = c.gradient * kernel_f(kernel, rx * rx + ry * ry, c.h)
+                            F = c.slope * f_shape(kernel, rx * rx + ry * ry, c.h)
                             px, py = pair_force(
                                 viscous, rx, ry, ua - b[2, k], va - b[3, k],
-                                b[4, k], b[5, k], b[6, k], friction, pr2_a, inv_rho_a, F, c,
+                                b[4, k], b[5, k], b[6, k], friction, pr2_a, inv_rho_a, F, alpha_h_c, c,
                             )  # fmt: skip
                             fx += px
                             fy += py

@@ -53,32 +53,41 @@ def kernel_named(name: str) -> Kernel:
 
 
 @inline_njit
-def kernel_w(code, r2, h):
-    """W [1/m²] at squared distance `r2` [m²]."""
-    inv_h = 1.0 / h
-    q = math.sqrt(r2) * inv_h
+def w_scale(code, h):
+    """W over its shape [1/m²]: a factor that a sum over neighbours need not carry."""
+    return (_SIGMA_WENDLAND if code == WENDLAND_C2 else _SIGMA_QUINTIC) / (h * h)
+
+
+@inline_njit
+def f_scale(code, h):
+    """F over its shape [1/m⁴]."""
+    return -5.0 * w_scale(code, h) / (h * h)
+
+
+@inline_njit
+def w_shape(code, r2, h):
+    """The brackets of W at squared distance `r2` [m²]."""
+    q = math.sqrt(r2) * (1.0 / h)
     if code == WENDLAND_C2:
         t = max(0.0, 1.0 - 0.5 * q)
         t2 = t * t
-        return _SIGMA_WENDLAND * inv_h * inv_h * t2 * t2 * (1.0 + 2.0 * q)
+        return t2 * t2 * (1.0 + 2.0 * q)
     a = max(0.0, 3.0 - q)
     b = max(0.0, 2.0 - q)
     c = max(0.0, 1.0 - q)
     a2 = a * a
     b2 = b * b
     c2 = c * c
-    return _SIGMA_QUINTIC * inv_h * inv_h * (a2 * a2 * a - 6.0 * b2 * b2 * b + 15.0 * c2 * c2 * c)
+    return a2 * a2 * a - 6.0 * b2 * b2 * b + 15.0 * c2 * c2 * c
 
 
 @inline_njit
-def kernel_f(code, r2, h):
-    """F = (1/r) dW/dr [1/m⁴] at squared distance `r2` [m²]."""
-    inv_h = 1.0 / h
-    inv_h2 = inv_h * inv_h
-    q = math.sqrt(r2) * inv_h
+def f_shape(code, r2, h):
+    """The brackets of F at squared distance `r2` [m²], of the quintic spline over q."""
+    q = math.sqrt(r2) * (1.0 / h)
     if code == WENDLAND_C2:
         t = max(0.0, 1.0 - 0.5 * q)
-        return -5.0 * _SIGMA_WENDLAND * inv_h2 * inv_h2 * t * t * t
+        return t * t * t
     # Inside q < 1 the bracket is q (24 − 24 q² + 10 q³) exactly, so that nothing is divided by a small q.
     a = max(0.0, 3.0 - q)
     b = max(0.0, 2.0 - q)
@@ -86,7 +95,19 @@ def kernel_f(code, r2, h):
     b2 = b * b
     outer = (a2 * a2 - 6.0 * b2 * b2) / max(q, 1.0)
     inner = 24.0 + q * q * (10.0 * q - 24.0)
-    return -5.0 * _SIGMA_QUINTIC * inv_h2 * inv_h2 * (inner if q < 1.0 else outer)
+    return inner if q < 1.0 else outer
+
+
+@inline_njit
+def kernel_w(code, r2, h):
+    """W [1/m²] at squared distance `r2` [m²]."""
+    return w_scale(code, h) * w_shape(code, r2, h)
+
+
+@inline_njit
+def kernel_f(code, r2, h):
+    """F = (1/r) dW/dr [1/m⁴] at squared distance `r2` [m²]."""
+    return f_scale(code, h) * f_shape(code, r2, h)
 
 
 @njit

@@ -8,10 +8,10 @@ import pytest
 
 from fluid_solver.fields import AX, AY, DP, FLUID, FRICTION, GX, GY, PR2, RHO, ROWS, SX, SY, VOL, M, P, U, V, X, Y
 from fluid_solver.forces import make_forces
-from fluid_solver.parameters import Parameters, gradient_factor
+from fluid_solver.parameters import Parameters, pairing_of, slope_of
 from fluid_solver.rates import make_rates
 from fluid_solver.store import Store
-from shared.kernels import evaluate, kernel_named
+from shared.kernels import kernel_named
 
 DX, C0, RHO0, NU = 0.1, 20.0, 1000.0, 0.3
 KERNEL = kernel_named("quintic-spline")
@@ -23,8 +23,8 @@ def numbers(**changed) -> Parameters:
     h = H_OVER_DX * DX
     given = {
         "h": h, "dx": DX, "support": KERNEL.support * h, "rho0": RHO0, "c0": C0, "alpha": 0.0, "nu": 0.0,
-        "nu_edac": 0.0, "gx": 0.0, "gy": 0.0, "w_dx": evaluate(KERNEL, np.array([DX]), h)[0][0],
-        "gradient": gradient_factor(KERNEL, H_OVER_DX), "weakest": -np.inf,
+        "nu_edac": 0.0, "gx": 0.0, "gy": 0.0, "slope": slope_of(KERNEL, h, DX),
+        "pairing": pairing_of(KERNEL, h, DX), "weakest": -np.inf,
     }  # fmt: skip
     return Parameters(**(given | changed))
 
