@@ -192,6 +192,13 @@ class ParticleFluid:
         # 9  u = u_half + a dt/2
         kick(store.S, store.kind, store.count, dt, self._transported, store.work)
 
+    def compile_sweeps(self) -> None:
+        """Compile the sweeps over pairs, by one over the cells that there are before the first sort: none."""
+        s = self.store
+        self._accelerate()
+        self._rates(s.S, *s.cells(), self.c, s.work)
+        self._ghost_velocity(s.S, s.kind, s.ids, *s.cells(), self.c, self._first, self._motion.pose)
+
     def _accelerate(self) -> None:
         s = self.store
         self._ghost_sweep(s.S, s.ids, *s.cells(), self.c, self._first, self.force)

@@ -67,10 +67,14 @@ def solver_app(side: str, factory: Factory) -> typer.Typer:
         conclude(resume_alone(run_dir, last, scene, side, factory, threads, quiet), quiet)
 
     @app.command("warm", hidden=True)
-    def warm(case: Case) -> None:
+    def warm(case: Case, sweeps: Annotated[bool, typer.Option(help="With a model's sweeps alone.")] = False) -> None:
         """Fill the cache of compiled code for a scene."""
         scene = own_probes(load_scene(case), side)
-        take_a_tiny_step(factory(scene, True, 1), scene, side)
+        model = factory(scene, True, 1)
+        if sweeps:
+            model.compile_sweeps()
+        else:
+            take_a_tiny_step(model, scene, side)
 
     @app.command("serve")
     def serve_coupler(

@@ -2,7 +2,8 @@
 
 A process that compiles a kernel and one that loads it from the cache bind some of its inner calls to different copies,
 and copies differ in the last bit. So that the first run of a scene gives the same bytes as the second, a child process
-takes the model through one tiny step, which fills the cache; then the run begins.
+takes the model through one tiny step, which fills the cache; then the run begins. A model whose sweeps over pairs take
+as long to compile as the rest of its step has a second child for them.
 """
 
 from __future__ import annotations
@@ -22,6 +23,7 @@ from shared.schema import Scene
 from shared.sides import own_probes
 
 _TINY_STEPS = 2
+_SWEEPING = ("wcsph", "ctvf")  # fluid models with `compile_sweeps`
 _FLAGS = ("model", "kernel", "gradient", "shifting")  # keys that choose kernels by their value
 _PRESENCE = ("viscosity", "alpha", "damping", "loads", "spring", "motion")  # keys that choose them by being there
 
@@ -41,15 +43,20 @@ def fill_cache(packages: Mapping[str, str], case: Path, scene: Scene) -> None:
 
     A child that fails says nothing here: the run itself will meet the same error and report it.
     """
-    missing = [package for side, package in packages.items() if not stamp(scene, side).exists()]
+    parts = []
+    for side, package in packages.items():
+        if not stamp(scene, side).exists():
+            parts.append([package, "warm", str(case)])
+            if side == "fluid" and scene.fluid.model in _SWEEPING:
+                parts.append([package, "warm", str(case), "--sweeps"])
     children = [
         subprocess.Popen(
-            [sys.executable, "-m", package, "warm", str(case)],
+            [sys.executable, "-m", *part],
             stdin=subprocess.DEVNULL,
             stdout=subprocess.DEVNULL,
             stderr=subprocess.DEVNULL,
         )
-        for package in missing
+        for part in parts
     ]
     try:
         for child in children:
