@@ -154,34 +154,41 @@ def _impact(model: str) -> list[Row]:
         name = f"dam_break_wall, {model}, dx {dx:g}"
         rows.append(Row(f"{name}, impulse on the far wall to 0.4 s", (run,), pushed, unit="N s/m"))
         group = (run, *_others(run, model))
-        rows.append(
-            Row(f"{name}, sensor of 2 cm, highest mean over 10 ms, mean of {REPEATS}", group, mean(read), unit="Pa")
-        )
-        rows.append(Row(f"{name}, the same, standard deviation", group, scatter(read), unit="Pa"))
+        sensor = f"{name}, sensor of 2 cm, highest mean over 10 ms"
+        rows.append(Row(f"{sensor}, mean of {REPEATS}", group, mean(read), unit="Pa"))
+        rows.append(Row(f"{sensor}, standard deviation", group, scatter(read), unit="Pa"))
         rows.append(Row(f"{name}, force on the far wall, highest mean over 10 ms", (run,), push, unit="N/m"))
         rows.append(Row(f"{name}, the same sensor, highest reading", (run,), point, unit="Pa"))
         rows.append(Row(f"{name}, leaked", (run,), of_probe("leaked", "max"), 0.0, 0.0))
         rows.append(Row(f"{name}, largest rise of energy between frames", (run,), energy_rise, most=0.005))
-    groups = [(run, *_others(run, model)) for run in runs]
-    for what, measure, of_dx, most in (
-        ("impulse", pushed, [(run,) for run in runs], 0.05),
-        ("push over 10 ms", push, [(run,) for run in runs], 0.05),
-        ("sensor", read, groups, None),
-    ):
-        size = len(of_dx[0])
-
-        def shrinks(*found, at=mean(measure), size=size) -> float:
-            coarse, middle, fine = (at(*found[k : k + size]) for k in range(0, 3 * size, size))
-            return abs(fine - middle) / abs(middle - coarse)
-
-        def last(*found, at=mean(measure), size=size) -> float:
-            return abs(at(*found[size:]) / at(*found[:size]) - 1.0)
-
+    for what, measure, most in (("impulse", pushed, 0.05), ("push over 10 ms", push, 0.05), ("sensor", read, None)):
+        groups = [(run, *(_others(run, model) if what == "sensor" else ())) for run in runs]
         name = f"dam_break_wall, {model}, {what}, last change"
         if what != "push over 10 ms":  # at 8 mm it is within a hundredth already
-            rows.append(Row(f"{name} over the one before", tuple(chain(*of_dx)), shrinks, most=1.0))
-        rows.append(Row(name, tuple(chain(*of_dx[1:])), last, most=most))
+            rows.append(Row(f"{name} over the one before", tuple(chain(*groups)), _shrinks(mean(measure)), most=1.0))
+        rows.append(Row(name, tuple(chain(*groups[1:])), _last(mean(measure)), most=most))
     return rows
+
+
+def _shrinks(measure):
+    """Change of a measure of as many runs each at three spacings: the last over the one before."""
+
+    def over(*found) -> float:
+        size = len(found) // 3
+        coarse, middle, fine = (measure(*found[k : k + size]) for k in range(0, len(found), size))
+        return abs(fine - middle) / abs(middle - coarse)
+
+    return over
+
+
+def _last(measure):
+    """Relative change of a measure of as many runs each at two spacings."""
+
+    def between(*found) -> float:
+        middle, fine = found[: len(found) // 2], found[len(found) // 2 :]
+        return abs(measure(*fine) / measure(*middle) - 1.0)
+
+    return between
 
 
 def _others(run, model: str) -> tuple:
