@@ -173,6 +173,21 @@ def test_one_and_two_threads_give_the_same_bytes():
     assert all(np.array_equal(states[0][name], states[1][name]) for name in states[0])
 
 
+@pytest.mark.parametrize("name", ["wcsph", "ctvf"])
+def test_sweeps_compiled_on_their_own_are_those_of_a_run(name):
+    """They leave the state alone, and a step after them compiles none of them again."""
+    model = make_model(dam(name), False, 1)
+    before = everything(model)
+    model.compile_sweeps()
+    assert all(np.array_equal(array, before[name]) for name, array in everything(model).items())
+    sweeps = model._rates, model._forces, model._ghost_velocity, model._ghost_sweep
+    compiled = [set(sweep.signatures) for sweep in sweeps]
+    assert all(compiled)
+    model.begin(None)
+    run(model, 0.001)
+    assert [set(sweep.signatures) for sweep in sweeps] == compiled
+
+
 def test_cells_hold_every_neighbour():
     """After motion without a sort, everything in reach is still in the cells around."""
     model = begun(dam("wcsph"))
