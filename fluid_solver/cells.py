@@ -115,7 +115,8 @@ def count_cells(key, count, spans, start, rank, order):
     first[tasks] = start.size
     pieces = (start.size + PIECE - 1) // PIECE
     before = np.zeros(pieces + 1, dtype=np.int32)  # particles in the pieces before each
-    start[:] = 0
+    for piece in numba.prange(pieces):
+        start[piece * PIECE : piece * PIECE + PIECE] = 0
     for task in numba.prange(tasks):
         lo, hi = first[task], first[task + 1]
         for block in range(blocks):
@@ -125,8 +126,7 @@ def count_cells(key, count, spans, start, rank, order):
                         rank[i] = start[key[i]]
                         start[key[i]] += 1
     for piece in numba.prange(pieces):
-        for k in range(piece * PIECE, min(piece * PIECE + PIECE, start.size)):
-            before[piece + 1] += start[k]
+        before[piece + 1] = np.sum(start[piece * PIECE : piece * PIECE + PIECE])
     for piece in range(pieces):
         before[piece + 1] += before[piece]
     for piece in numba.prange(pieces):
