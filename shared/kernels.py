@@ -52,16 +52,17 @@ def kernel_named(name: str) -> Kernel:
     return _KERNELS[name]
 
 
-@inline_njit
 def w_scale(code, h):
     """W over its shape [1/m²]: a factor that a sum over neighbours need not carry."""
     return (_SIGMA_WENDLAND if code == WENDLAND_C2 else _SIGMA_QUINTIC) / (h * h)
 
 
-@inline_njit
 def f_scale(code, h):
     """F over its shape [1/m⁴]."""
-    return -5.0 * w_scale(code, h) / (h * h)
+    return -5.0 * (_SIGMA_WENDLAND if code == WENDLAND_C2 else _SIGMA_QUINTIC) / (h * h * h * h)
+
+
+_w_scale, _f_scale = inline_njit(w_scale), inline_njit(f_scale)
 
 
 @inline_njit
@@ -101,13 +102,13 @@ def f_shape(code, r2, h):
 @inline_njit
 def kernel_w(code, r2, h):
     """W [1/m²] at squared distance `r2` [m²]."""
-    return w_scale(code, h) * w_shape(code, r2, h)
+    return _w_scale(code, h) * w_shape(code, r2, h)
 
 
 @inline_njit
 def kernel_f(code, r2, h):
     """F = (1/r) dW/dr [1/m⁴] at squared distance `r2` [m²]."""
-    return f_scale(code, h) * f_shape(code, r2, h)
+    return _f_scale(code, h) * f_shape(code, r2, h)
 
 
 @njit
