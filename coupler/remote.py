@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import time
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
@@ -35,6 +36,8 @@ class Remote:
         self._run = run
         self._sequence = 0
         self._pending: Message | None = None
+        self._answered = 0.0  # when the last reply came, on this process's clock [s]
+        self.worked: list[tuple[float, float]] = []  # from when to when the participant worked; the coupler empties it
         self._count = 0  # interface points that travel
         self.row: dict[str, float] | None = None  # probes of the window accepted last, when a row was due
 
@@ -153,7 +156,14 @@ class Remote:
             raise RemoteError(str(reply.info.get("text")), int(reply.info.get("exit_code", 3)))
         check_window(reply, verb=asked.verb, window=asked.window, iteration=asked.iteration)
         self._sequence += 1
+        self._note_work(*_times(reply))
         return reply
+
+    def _note_work(self, settled: float, spent: float) -> None:
+        """The participant worked for `settled` [s] from its last reply on, and for `spent` up to this one."""
+        now = time.perf_counter()
+        self.worked += [(self._answered, self._answered + settled), (now - spent, now)]
+        self._answered = now
 
     def _exchange(self, reply: Message) -> Exchange:
         kinematic = self._description.role == "structure"
@@ -161,3 +171,29 @@ class Remote:
         shapes = kinematics_shapes(count) if kinematic else {"pressure": (count,), "force": (count, 2)}
         check_fields(reply.fields, shapes, f"{reply.verb} from {self.name}")
         return (Kinematics if kinematic else Loads)(**reply.fields)
+
+
+def _times(reply: Message) -> tuple[float, float]:
+    """What a reply says of the time that went into it; see wire.py."""
+    spent = reply.info.pop("spent", (0.0, 0.0))
+    try:
+        settled, now = map(float, spent)
+    except (TypeError, ValueError):
+        raise BadMessage(f"{reply.verb} from {reply.sender}: spent is {spent!r}; two times [s] are needed") from None
+    return settled, now
+
+
+class Working:
+    """Time [s] in which at least one side works, on the coupler's clock."""
+
+    def __init__(self, seconds: float, *sides: Remote):
+        self.seconds = seconds
+        self._sides, self._until = sides, time.perf_counter()
+
+    def note(self) -> None:
+        """Count what the sides have told since the last time."""
+        for begin, end in sorted(span for side in self._sides for span in side.worked):
+            self.seconds += max(0.0, end - max(begin, self._until))
+            self._until = max(self._until, end)
+        for side in self._sides:
+            side.worked.clear()

@@ -17,7 +17,7 @@ from coupler.mapping import Mapping, build_mapping
 from coupler.memory import recall, remember
 from coupler.prediction import Predictor
 from coupler.recording import recording
-from coupler.remote import Remote, RemoteError
+from coupler.remote import Remote, RemoteError, Working
 from coupler.schemes import Coupled, probes
 from coupler.supervisor import PACKAGES, solver_processes
 from coupler.window import Plan, alpha_rate, make_plan, mass_ratio
@@ -111,7 +111,7 @@ def couple(scene: Scene, fluid: Remote, structure: Remote, record: Record, last:
     c = start(scene, clock, mapping, fluid, structure, record, last)
     counts = march(scene, plan, clock, c, record, last)
     costs = {"fluid": fluid.finish(), "solid": structure.finish()}
-    waited = counts["marched_s"] - sum(cost["busy_s"] + cost["output_s"] for cost in costs.values())
+    waited = counts["marched_s"] - counts["worked_s"]
     record.cost |= {
         "core_s": sum(cost.pop("core_s") for cost in costs.values()),
         **costs,
@@ -172,7 +172,7 @@ def march(
     first = last.window if last else 0
     take = make_taker(plan, scene.coupling)
     ledger = Ledger(record.run_dir / "ledger.csv", scene.coupling.limits, first if last else None)
-    counts = {"iterations": 0, "unconverged": 0, "most": 0, "marched_s": 0.0}
+    counts = {"iterations": 0, "unconverged": 0, "most": 0, "marched_s": 0.0, "worked_s": 0.0}
     checkpoints = Checkpoints(record.run_dir, scene.output.checkpoint_every, last)
     memory = {"coupled": c, "taker": take, "ledger": ledger}
     try:
@@ -182,14 +182,16 @@ def march(
             else:
                 counts |= recall(memory, plan, last)
             before = counts["marched_s"]
+            working = Working(counts["worked_s"], c.fluid, c.structure)
             for window in map(clock.window, range(first, clock.count)):
                 if checkpoints.due(stop.asked):
                     ledger.flush()
                     told.flush()
-                    counts["marched_s"] = before + time.perf_counter() - begun
+                    counts |= {"marched_s": before + time.perf_counter() - begun, "worked_s": working.seconds}
                     remember(memory, plan, checkpoints, window, record.notes() | {"counts": counts})
                 stop.here()
                 outcome = take(c, window)
+                working.note()
                 row = probes(c)
                 record.at(window.t1, row)
                 if take.heed(window, ledger.record(window, outcome)):
@@ -205,7 +207,7 @@ def march(
     finally:
         ledger.close()
         record.ledger |= ledger.summary()
-    return counts | {"marched_s": before + time.perf_counter() - begun}
+    return counts | {"marched_s": before + time.perf_counter() - begun, "worked_s": working.seconds}
 
 
 def outputs(scene: Scene, clock: Clock) -> dict[str, int]:

@@ -24,7 +24,6 @@ from shared.jit import inline_njit, njit, parallel_njit
 COLUMNS = 2  # cells per support along a row
 SEGMENT = 32  # cells of a row that share a buffer
 BLOCK = 4096  # particles per task of an elementwise loop
-CHUNKS = 48  # tasks of a sweep; fixed, so that nothing depends on the thread count
 SORTS = 16  # tasks of a sort, at most
 PIECE = 16384  # cells of which one task makes starts from counts
 MAX_CELLS = 8_000_000
@@ -202,24 +201,24 @@ def segment_columns(grid, segment):
 
 
 @njit
-def share_cells(start, grid, edges):
-    """Cut the segments into tasks of like work, in place in `edges`; returns the most candidates of any segment."""
+def share_cells(start, grid, shares):
+    """Cut the segments into shares of like work, in place in `shares`; returns the most candidates of any segment."""
     segments = (grid.rows - 2) * segments_per_row(grid)
-    tasks = edges.size - 1
+    workers = shares.size - 1
     total = start[start.size - 2]
-    edges[0] = 0
-    task = 1
+    shares[0] = 0
+    share = 1
     most = 0
     for segment in range(segments):
         row, first, last = segment_columns(grid, segment)
-        while task < tasks and start[2 * (row * grid.columns + first)] * tasks >= total * task:
-            edges[task] = segment
-            task += 1
+        while share < workers and start[2 * (row * grid.columns + first)] * workers >= total * share:
+            shares[share] = segment
+            share += 1
         if start[2 * (row * grid.columns + first)] == start[2 * (row * grid.columns + last)]:
             continue
         most = max(most, candidates(start, grid, row, first, last))
-    for k in range(task, tasks + 1):
-        edges[k] = segments
+    for k in range(share, workers + 1):
+        shares[k] = segments
     return most
 
 

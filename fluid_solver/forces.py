@@ -17,7 +17,7 @@ import numpy as np
 
 from fluid_solver.cells import COLUMNS
 from fluid_solver.fields import AX, AY, FRICTION, GX, GY, NEW_NX, NEW_NY, NX, NY, PR2, SX, SY, VOL, M, X, Y
-from fluid_solver.gather import gather, run_of, with_targets
+from fluid_solver.gather import gather, next_stretch, run_of
 from fluid_solver.shifting import shift_velocity
 from fluid_solver.surface import surface_normal
 from fluid_solver.terms import (
@@ -56,29 +56,27 @@ def make_forces(kernel: int, viscous: bool, shifting: bool):
     rows = _ROWS_SHIFTING if shifting else _ROWS
 
     @parallel_njit
-    def forces(S, start, grid, edges, buffers, columns, c, u_max, R, fastest):
+    def forces(S, start, grid, shares, taken, buffers, columns, c, u_max, R, fastest):
         """Writes S[AX], S[AY] of the fluid; if shifting also S[SX], S[SY] and the new normals in R.
 
-        Leaves per task in `fastest` the largest relative speed, squared [m²/s²], between a fluid particle and another
+        Leaves per thread in `fastest` the largest relative speed, squared [m²/s²], between a fluid particle and another
         in reach, or a bound of it where that is `NEGLIGIBLE`.
         """
         alpha_h_c = c.alpha * c.h * c.c0 / c.rho0
         negligible = (NEGLIGIBLE * c.c0) ** 2
-        for chunk in numba.prange(edges.size - 1):
-            b = buffers[chunk]
+        for worker in numba.prange(taken.size):
+            b = buffers[worker]
             relative = 0.0
-            for segment in range(edges[chunk], edges[chunk + 1]):
-                row, first, last = with_targets(start, grid, segment, 0)
-                if first == last:
-                    continue
-                gather(S, rows, 2, start, grid, row, first, last, b, columns[chunk])
-                bound = velocity_range(b, columns[chunk][0], columns[chunk][last - first + 2 * COLUMNS])
+            row, first, last = next_stretch(start, grid, 0, shares, taken, worker)
+            while first < last:
+                gather(S, rows, 2, start, grid, row, first, last, b, columns[worker])
+                bound = velocity_range(b, columns[worker][0], columns[worker][last - first + 2 * COLUMNS])
                 violent = bound > max(relative, negligible)
                 if not violent:
                     relative = max(relative, bound)
                 for column in range(first, last):
                     cell = row * grid.columns + column
-                    lo, hi = run_of(columns[chunk], column - first)
+                    lo, hi = run_of(columns[worker], column - first)
                     mine, end = start[2 * cell], start[2 * cell + 1]
                     if violent and mine < end:
                         relative = max(relative, relative_speed(S, mine, end, b, lo, hi, c.support * c.support))
@@ -118,7 +116,8 @@ def make_forces(kernel: int, viscous: bool, shifting: bool):
                             dx, dy = shift_velocity(cx, cy, near_x, near_y, div_r, u_max, c)
                             S[SX, a], S[SY, a] = dx, dy
                             R[NEW_NX, a], R[NEW_NY, a] = surface_normal(cx, cy, div_r)
-            fastest[chunk] = relative
+                row, first, last = next_stretch(start, grid, 0, shares, taken, worker)
+            fastest[worker] = relative
 
     return forces
 

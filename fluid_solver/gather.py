@@ -11,7 +11,7 @@ from __future__ import annotations
 import numpy as np
 
 from fluid_solver.cells import COLUMNS, neighbour, segment_columns
-from shared.jit import inline_njit, njit
+from shared.jit import inline_njit, njit, one_more
 
 LANES = 8  # float64 per vector register (AVX-512); shorter registers divide it
 FAR = 1.0e12  # m; where the dummies stand
@@ -49,6 +49,26 @@ def with_targets(start, grid, segment, kind):
     while first < last and start[2 * (of_row + last - 1) + kind] == start[2 * (of_row + last - 1) + kind + 1]:
         last -= 1
     return row, first, last
+
+
+@njit
+def next_stretch(start, grid, kind, shares, taken, worker):
+    """Row and columns [first, last) of the next stretch with targets of `kind` for a `worker`; first = last when none
+    is left.
+
+    A worker goes through its own share of the segments, whose particles it has near, and then helps the others with
+    what is left of theirs: one that is held up holds up nothing but its own segment. `taken` (workers,): how many of
+    each share are taken, none at the start of a sweep. Who works through a segment must not matter to the result.
+    """
+    for k in range(taken.size):
+        owner = (worker + k) % taken.size
+        segment = shares[owner] + one_more(taken, owner)
+        while segment < shares[owner + 1]:
+            row, first, last = with_targets(start, grid, segment, kind)
+            if first < last:
+                return row, first, last
+            segment = shares[owner] + one_more(taken, owner)
+    return 0, 0, 0
 
 
 @njit

@@ -75,21 +75,23 @@ class ParticleFluid:
         self.fluid_count = len(water.position)
         self._first = self.fluid_count  # id of the first ghost
         self._walls = self.ghosts.walls
+        self._threads = threads if self.particles() >= SERIAL_BELOW else 1
         self.store = Store(
             *_initial_state(water, self.ghosts),
             self.c.support,
             diagnosis.domain_of(scene),
             period_of(scene),
+            self._threads,
             () if self._transported else OF_SHIFTING,
         )
         self.store.fastest[...] = 4.0 * np.max(np.sum(water.velocity**2, axis=1), initial=0.0)  # streams that meet
-        self._threads = threads if self.particles() >= SERIAL_BELOW else 1
         self._motion = GhostMotion(scene, self.ghosts)
         self.force = np.zeros((len(self.ghosts.position), 2))  # N/m on every ghost, at the last step's end
         self._mean_force = np.zeros_like(self.force)  # the same, mean over the last window
         self._volume = 0.0  # m² that the walls leave the fluid; 0 where it has a free surface
         self._speed = 0.0  # largest |u| at the last half step
         self._steps = 0
+        self._unsettled = 0.0  # s, the step whose end `reach` has left
         self._lost = 0  # particles out of the domain that have been reported
         self._observer = Observer(scene, kernel, self.c, self.ghosts, self._first, water.body)
 
@@ -126,9 +128,9 @@ class ParticleFluid:
         largest(store.S, store.kind, store.count, store.speeds)
         self._speed, _ = largest_of(store.speeds, store.count)
         self._ghost_velocity(store.S, store.kind, store.ids, *store.cells(), self.c, self._first, self._motion.pose)
-        self._accelerate()
+        self._load_ghosts()
         self._volume = self._enclosed_volume()
-        kick(store.S, store.kind, store.count, 0.0, self._transported, store.work)
+        self._accelerate(0.0)
         self._mean_force[...] = self.force
         return self._loads()
 
@@ -153,21 +155,36 @@ class ParticleFluid:
 
     def advance(self, t0: float, t1: float, substeps: int, boundary: Kinematics | None) -> Loads:
         """Integrate from t0 to t1 [s] in equal steps; the ghosts of structures follow `boundary`."""
+        loads = self.reach(t0, t1, substeps, boundary)
+        self.settle()
+        return loads
+
+    def reach(self, t0: float, t1: float, substeps: int, boundary: Kinematics | None) -> Loads:
+        """As `advance`, but for the fluid's own last acceleration, for which its partner need not wait."""
         numba.set_num_threads(self._threads)
         dt = (t1 - t0) / substeps
         mean = self._mean_force
         mean[...] = 0.0
         for k in range(substeps):
+            if k > 0:
+                self._accelerate(dt)
             mean += self.force
-            self._step(dt, t0, k * dt, t1 - t0, boundary)
+            self._drift(dt, t0, k * dt, t1 - t0, boundary)
             mean += self.force
         mean *= 0.5 / substeps
         self._steps += substeps
         self._motion.start(boundary)
+        self._unsettled = dt
         return self._loads()
 
-    def _step(self, dt: float, t0: float, since: float, length: float, boundary: Kinematics | None) -> None:
-        """One kick-drift-kick step of `dt` [s], at `since` after the start t0 of a window of `length`."""
+    def settle(self) -> None:
+        """What `reach` has left."""
+        numba.set_num_threads(self._threads)
+        self._accelerate(self._unsettled)
+
+    def _drift(self, dt: float, t0: float, since: float, length: float, boundary: Kinematics | None) -> None:
+        """A kick-drift-kick step of `dt` [s], at `since` after the start t0 of a window of `length`, but for the end:
+        the fluid's acceleration and second kick."""
         store, c = self.store, self.c
         # 1, 2  u_half = u + a dt/2;  x += (u_half + δu) dt/2;  walls and ghosts to the middle of the step
         kick_and_drift(store.S, store.kind, store.count, dt, store.speeds)
@@ -187,22 +204,28 @@ class ParticleFluid:
             keep_volume(store.S, store.kind, store.count, self._volume, c, store.speeds)
         self._place(t0, since + dt, length, boundary)
         store.moved += reach
-        # 7, 8  pressures of ghosts, eq. 14; accelerations, shifting and surface at the new positions
-        self._accelerate()
+        # 7  pressures of ghosts, eq. 14, and the forces on them
+        self._load_ghosts()
+
+    def _load_ghosts(self) -> None:
+        s = self.store
+        self._ghost_sweep(s.S, s.ids, *s.cells(), self.c, self._first, self.force)
+
+    def _accelerate(self, dt: float) -> None:
+        """The end of a step of `dt` [s]."""
+        s = self.store
+        # 8  accelerations, shifting and surface at the new positions
+        self._forces(s.S, *s.cells(), self.c, self._speed, s.work, s.fastest)
         # 9  u = u_half + a dt/2
-        kick(store.S, store.kind, store.count, dt, self._transported, store.work)
+        kick(s.S, s.kind, s.count, dt, self._transported, s.work)
 
     def compile_sweeps(self) -> None:
         """Compile the sweeps over pairs, by one over the cells that there are before the first sort: none."""
         s = self.store
-        self._accelerate()
+        self._load_ghosts()
+        self._forces(s.S, *s.cells(), self.c, self._speed, s.work, s.fastest)
         self._rates(s.S, *s.cells(), self.c, s.work)
         self._ghost_velocity(s.S, s.kind, s.ids, *s.cells(), self.c, self._first, self._motion.pose)
-
-    def _accelerate(self) -> None:
-        s = self.store
-        self._ghost_sweep(s.S, s.ids, *s.cells(), self.c, self._first, self.force)
-        self._forces(s.S, *s.cells(), self.c, self._speed, s.work, s.fastest)
 
     def _place(self, t0, since, length, boundary, always=False) -> None:
         """Ghosts to the pose they have `since` seconds after t0; nothing to do when all stand still."""

@@ -19,7 +19,7 @@ from functools import cache
 import numba
 
 from fluid_solver.fields import DP, GX, GY, RHO, SX, SY, VOL, P, U, V, X, Y
-from fluid_solver.gather import gather, run_of, with_targets
+from fluid_solver.gather import gather, next_stretch, run_of
 from fluid_solver.surface import ISOLATED
 from fluid_solver.terms import pressure_diffusion, transport, velocity_divergence
 from shared.jit import parallel_njit
@@ -36,20 +36,18 @@ def make_rates(kernel: int, transported: bool):
     rows = _ROWS_TRANSPORT if transported else _ROWS
 
     @parallel_njit
-    def rates(S, start, grid, edges, buffers, columns, c, R):
+    def rates(S, start, grid, shares, taken, buffers, columns, c, R):
         """Writes R[DP] [Pa/s] of the fluid."""
         rho_gx = c.rho0 * c.gx
         rho_gy = c.rho0 * c.gy
-        for chunk in numba.prange(edges.size - 1):
-            b = buffers[chunk]
-            for segment in range(edges[chunk], edges[chunk + 1]):
-                row, first, last = with_targets(start, grid, segment, 0)
-                if first == last:
-                    continue
-                gather(S, rows, 2, start, grid, row, first, last, b, columns[chunk])
+        for worker in numba.prange(taken.size):
+            b = buffers[worker]
+            row, first, last = next_stretch(start, grid, 0, shares, taken, worker)
+            while first < last:
+                gather(S, rows, 2, start, grid, row, first, last, b, columns[worker])
                 for column in range(first, last):
                     cell = row * grid.columns + column
-                    lo, hi = run_of(columns[chunk], column - first)
+                    lo, hi = run_of(columns[worker], column - first)
                     for a in range(start[2 * cell], start[2 * cell + 1]):
                         xa, ya, ua, va, rho_a, p_a = S[X, a], S[Y, a], S[U, a], S[V, a], S[RHO, a], S[P, a]
                         div = div_r = p_rate = 0.0
@@ -67,5 +65,6 @@ def make_rates(kernel: int, transported: bool):
                         R[DP, a] = c.slope * (rho_a * c.c0 * c.c0 * div + p_rate)
                         if c.slope * div_r < ISOLATED:
                             R[DP, a] -= FORGETTING * c.c0 / c.h * min(0.0, p_a)
+                row, first, last = next_stretch(start, grid, 0, shares, taken, worker)
 
     return rates

@@ -8,7 +8,6 @@ import numpy as np
 
 from fluid_solver.cells import (
     BLOCK,
-    CHUNKS,
     COLUMNS,
     MAX_CELLS,
     SEGMENT,
@@ -33,10 +32,10 @@ _CROWDED = 1.25  # room in a buffer over the candidates met
 class Store:
     """State `S` (ROWS, n), `kind` and `ids` (n,) in cell order; the first `count` take part, parked ones follow.
 
-    `start`, `grid`: the cells (see cells.py); `edges`: first segment of each task; `buffers`: candidates of a segment,
-    one per task; `work`: results of a sweep; `speeds`: per-block maxima; `fastest`: largest relative speed per
-    task, squared [m²/s²]; `clipped`: per-block impulse of the tension
-    taken off [N s/m]. `moved` [m]: a bound of how far a particle is from where it was sorted to.
+    `start`, `grid`: the cells (see cells.py); `shares`: first segment of each thread's share; `buffers`: candidates of
+    a segment, one per thread; `work`: results of a sweep; `speeds`: per-block maxima; `fastest`: largest relative speed
+    that each thread met, squared [m²/s²]; `clipped`: per-block impulse of the tension taken off [N s/m]. `moved` [m]: a
+    bound of how far a particle is from where it was sorted to.
     """
 
     def __init__(
@@ -46,6 +45,7 @@ class Store:
         support: float,
         domain: np.ndarray,
         period: np.ndarray,
+        threads: int = 1,
         unused: tuple[int, ...] = (),
     ):
         n = S.shape[1]
@@ -59,16 +59,12 @@ class Store:
         self.work = np.zeros((WORK_ROWS, n))
         self.speeds = np.empty((2, n // BLOCK + 1))
         self.clipped = np.zeros(n // BLOCK + 1)
-        self.fastest = np.zeros(CHUNKS)
-        self.edges = np.zeros(CHUNKS + 1, dtype=np.int64)
-        self.buffers = np.empty((CHUNKS, BUFFER_ROWS, LANES))
-        self._columns = np.zeros(
-            (  # where the columns of a segment begin in its buffer
-                CHUNKS,
-                SEGMENT + 2 * COLUMNS + 1,
-            ),
-            dtype=np.int64,
-        )
+        self.fastest = np.zeros(threads)
+        self.shares = np.zeros(threads + 1, dtype=np.int64)
+        self.buffers = np.empty((threads, BUFFER_ROWS, LANES))
+        # where the columns of a segment begin in its buffer
+        self._columns = np.zeros((threads, SEGMENT + 2 * COLUMNS + 1), dtype=np.int64)
+        self._taken = np.zeros(threads, dtype=np.int64)  # segments under way, of each share
         self.start, self.count, self.parked = self._cells, n, 0
         self.grid = Grid(0, 0, *(float(length) for length in period[:, 1] - period[:, 0]))
         self.moved = self._skin = 0.0
@@ -137,14 +133,15 @@ class Store:
         return box[:, 0].copy(), inv_cell
 
     def _share(self) -> None:
-        most = share_cells(self.start, self.grid, self.edges)
+        most = share_cells(self.start, self.grid, self.shares)
         if most + 2 * LANES > self.buffers.shape[2]:
             room = int(_CROWDED * most / LANES + 3) * LANES
-            self.buffers = np.empty((CHUNKS, BUFFER_ROWS, room))
+            self.buffers = np.empty((len(self.buffers), BUFFER_ROWS, room))
 
     def cells(self) -> tuple:
-        """What a sweep needs of the sort: start, grid, edges, buffers, columns."""
-        return self.start, self.grid, self.edges, self.buffers, self._columns
+        """What a sweep needs: start, grid, shares, taken, buffers, columns."""
+        self._taken[:] = 0
+        return self.start, self.grid, self.shares, self._taken, self.buffers, self._columns
 
     def nbytes(self) -> int:
         """Bytes of the arrays that a step works on."""
@@ -167,7 +164,7 @@ class Store:
             "cells": np.array([self.grid.columns, self.grid.rows, self.count, self.parked]),
             "skin": np.array([self.moved, self._skin]),
             "clipped": self.clipped,
-            "fastest": self.fastest,
+            "fastest": self.fastest.max(keepdims=True),
         }
 
     def restore(self, state: Mapping[str, np.ndarray]) -> None:

@@ -44,7 +44,7 @@ from fluid_solver.fields import (
     Y,
 )
 from fluid_solver.forces import pair_force
-from fluid_solver.gather import gather, run_of, with_targets
+from fluid_solver.gather import gather, next_stretch, run_of
 from shared.jit import inline_njit, parallel_njit
 from shared.kernels import f_shape, kernel_w
 
@@ -60,18 +60,16 @@ def make_ghost_velocity(kernel: int, viscous: bool):
     """The compiled sweep that mirrors the fluid's velocity at walls; `viscous`: structures are sticky."""
 
     @parallel_njit
-    def ghost_velocity(S, kind, ids, start, grid, edges, buffers, columns, c, first_id, pose):
+    def ghost_velocity(S, kind, ids, start, grid, shares, taken, buffers, columns, c, first_id, pose):
         """Sets S[GX], S[GY] of the ghosts. A ghost's normal is in `pose` at its id less `first_id`."""
-        for chunk in numba.prange(edges.size - 1):
-            b = buffers[chunk]
-            for segment in range(edges[chunk], edges[chunk + 1]):
-                row, first, last = with_targets(start, grid, segment, 1)
-                if first == last:
-                    continue
-                gather(S, _ROWS_VELOCITY, 1, start, grid, row, first, last, b, columns[chunk])
+        for worker in numba.prange(taken.size):
+            b = buffers[worker]
+            row, first, last = next_stretch(start, grid, 1, shares, taken, worker)
+            while first < last:
+                gather(S, _ROWS_VELOCITY, 1, start, grid, row, first, last, b, columns[worker])
                 for column in range(first, last):
                     cell = row * grid.columns + column
-                    lo, hi = run_of(columns[chunk], column - first)
+                    lo, hi = run_of(columns[worker], column - first)
                     for a in range(start[2 * cell + 1], start[2 * cell + 2]):
                         total = u_sum = v_sum = 0.0
                         xa, ya = S[X, a], S[Y, a]
@@ -84,6 +82,7 @@ def make_ghost_velocity(kernel: int, viscous: bool):
                             v_sum += b[3, k] * w
                         sticky = kind[a] == NO_SLIP or (viscous and kind[a] == STRUCTURE)
                         S[GX, a], S[GY, a] = mirrored(S, a, total, u_sum, v_sum, sticky, pose[ids[a] - first_id])
+                row, first, last = next_stretch(start, grid, 1, shares, taken, worker)
 
     return ghost_velocity
 
@@ -107,22 +106,20 @@ def make_ghosts(kernel: int, viscous: bool):
     """The compiled sweep for pressures of ghosts and forces on them."""
 
     @parallel_njit
-    def ghosts(S, ids, start, grid, edges, buffers, columns, c, first_id, force):
+    def ghosts(S, ids, start, grid, shares, taken, buffers, columns, c, first_id, force):
         """Sets pressure, density and mass of the ghosts, and their `force` (ghosts, 2) [N/m].
 
         A ghost's place in `force` is its id less `first_id`.
         """
         alpha_h_c = c.alpha * c.h * c.c0 / c.rho0
-        for chunk in numba.prange(edges.size - 1):
-            b = buffers[chunk]
-            for segment in range(edges[chunk], edges[chunk + 1]):
-                row, first, last = with_targets(start, grid, segment, 1)
-                if first == last:
-                    continue
-                gather(S, _ROWS, 1, start, grid, row, first, last, b, columns[chunk])
+        for worker in numba.prange(taken.size):
+            b = buffers[worker]
+            row, first, last = next_stretch(start, grid, 1, shares, taken, worker)
+            while first < last:
+                gather(S, _ROWS, 1, start, grid, row, first, last, b, columns[worker])
                 for column in range(first, last):
                     cell = row * grid.columns + column
-                    lo, hi = run_of(columns[chunk], column - first)
+                    lo, hi = run_of(columns[worker], column - first)
                     for a in range(start[2 * cell + 1], start[2 * cell + 2]):
                         extrapolate(S, kernel, a, lo, hi, b, c)
                         fx = fy = 0.0
@@ -140,6 +137,7 @@ def make_ghosts(kernel: int, viscous: bool):
                             fy += py
                         force[ids[a] - first_id, 0] = S[M, a] * fx
                         force[ids[a] - first_id, 1] = S[M, a] * fy
+                row, first, last = next_stretch(start, grid, 1, shares, taken, worker)
 
     return ghosts
 

@@ -15,7 +15,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field, fields
-from typing import Literal, Protocol
+from typing import Literal, Protocol, runtime_checkable
 
 import numpy as np
 
@@ -136,6 +136,9 @@ class Model(Protocol):
 
     Constructed from the scene: `Model(scene: Scene, coupled: bool, threads: int)`. With `coupled=False` a fluid
     holds the solid bodies still, and a structure has no fluid.
+
+    A model that knows its own data before it is done with the window may offer `advance` in two parts, `reach`, which
+    returns the data, and `settle` (see `EarlyModel`); its partner then works while it settles.
     """
 
     role: Role
@@ -171,3 +174,15 @@ class Model(Protocol):
 
     def steps(self) -> int:
         """Number of time steps taken so far (rolled-back ones included)."""
+
+
+@runtime_checkable
+class EarlyModel(Model, Protocol):
+    """A model whose `advance` is `reach` and then `settle`."""
+
+    def reach(self, t0: float, t1: float, substeps: int, boundary: Exchange | None) -> Exchange:
+        """As `advance`, but what the own data do not depend on; until `settle`, only `restore` and `check` may be
+        called."""
+
+    def settle(self) -> None:
+        """Do the rest of `advance`."""

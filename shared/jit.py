@@ -14,6 +14,9 @@ import re
 from pathlib import Path
 
 import numba
+from numba.core.cgutils import create_struct_proxy
+from numba.core.types import int64
+from numba.extending import intrinsic
 
 FLAGS = {
     "error_model": "numpy",
@@ -82,3 +85,15 @@ inline_njit = numba.njit(inline="always", **{k: v for k, v in FLAGS.items() if k
 """For pair terms and every other callee with arithmetic: inlined into the sweep that calls it, so that the sweep
 vectorises, and so that a process that compiles runs the same instructions as one that loads from the cache (a callee
 with a symbol of its own is bound to another copy then, and copies differ in their rounding)."""
+
+
+@intrinsic
+def one_more(typing, counts, k):
+    """counts[k] += 1, at once for all threads; returns what it was."""
+
+    def generate(context, builder, signature, arguments):
+        array = create_struct_proxy(signature.args[0])(context, builder, arguments[0])
+        place = builder.gep(array.data, [arguments[1]])
+        return builder.atomic_rmw("add", place, context.get_constant(int64, 1), "monotonic")
+
+    return int64(counts, int64), generate

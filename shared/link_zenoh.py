@@ -27,6 +27,7 @@ from collections.abc import Callable, Iterator
 import zenoh
 
 from shared.contract import ParticipantLost, ShearwaterError
+from shared.service import Service
 
 # One thread for all of zenoh's own work instead of one for each kind of it, through which every message is handed on: a
 # third off a round trip of 100 kB (0.25 to 0.17 ms), and fewer threads beside those that compute. Read when the first
@@ -233,14 +234,14 @@ def serve(
     endpoint: str,
     run: str,
     name: str,
-    handle: Callable[[bytes], bytes],
-    finished: Callable[[], bool],
-    steps: Callable[[], int],
+    service: Service,
 ) -> None:
-    """Answer the coupler's requests until `finished()`; raises ParticipantLost when the coupler is gone.
+    """Answer the coupler's requests until the participant has finished; raises ParticipantLost when the coupler is
+    gone.
 
-    `steps()` is sent as heartbeat.
+    The number of steps is sent as heartbeat.
     """
+    participant = service.participant
     try:
         session = zenoh.open(_config("client", "connect/endpoints", endpoint))
     except zenoh.ZError as error:
@@ -264,18 +265,19 @@ def serve(
         def beat() -> None:
             while not stop.wait(_HEARTBEAT_PERIOD_S):
                 with contextlib.suppress(zenoh.ZError):
-                    heart.put(str(steps()))
+                    heart.put(str(participant.model.steps()))
 
         coupler = session.liveliness().declare_subscriber(_key(run, "coupler", "alive"), on_coupler, history=True)
         token = session.liveliness().declare_token(_key(run, name, "alive"))
         pulse = threading.Thread(target=beat, daemon=True)
         pulse.start()
         try:
-            while not finished():
+            while not participant.finished:
                 request = requests.recv().payload.to_bytes()
                 if not request:
                     raise ParticipantLost("the coupler is gone; this participant ends")
-                replies.put(handle(request))
+                replies.put(service.handle(request))
+                service.settle()
         finally:
             stop.set()
             pulse.join()

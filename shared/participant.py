@@ -20,6 +20,7 @@ from shared.clock import Clock, Window
 from shared.contract import (
     BadInput,
     Description,
+    EarlyModel,
     Exchange,
     Kinematics,
     Loads,
@@ -51,6 +52,8 @@ class Participant:
         self.name = name
         self._output = output
         self._writer: FrameWriter | None = None
+        self._early = isinstance(model, EarlyModel)
+        self._unsettled: Window | None = None  # what the model has reached the end of, but not settled
         self._stage = "new"  # new → described → ready ⇄ advanced → finished
         self._next = 0  # number of the next window to be accepted
         self._substeps = 0
@@ -110,19 +113,33 @@ class Participant:
         """
         self._need(self._stage == "ready", "advance", self._why_not_ready())
         self._need(window.index == self._next, "advance", f"window {self._next} is next, not window {window.index}")
+        self.settle()
         begun = time.perf_counter()
         if window.iteration == 0:
             self._substeps = window.substeps(self.model.stable_step() if self._limit is None else self._limit)
         if self._rollback and self._saved is None and not final:
             self._saved = {name: np.copy(array) for name, array in self.model.state().items()}
-        own = self.model.advance(window.t0, window.t1, self._substeps, self._spread(boundary))
+        take = self.model.reach if self._early else self.model.advance
+        own = take(window.t0, window.t1, self._substeps, self._spread(boundary))
         self.model.check()
-        self._note_outgrown(window)
+        self._unsettled = window
         self._busy += time.perf_counter() - begun
         self._stage = "advanced"
         if self._places is not None:
             self._places = self._places[0], own.position.copy()
         return self._selected(own)
+
+    def settle(self) -> None:
+        """Do what the model has left undone of an accepted window, while the partner works; else the next verb does
+        it."""
+        if self._unsettled is None or self._stage != "ready":
+            return
+        begun = time.perf_counter()
+        if self._early:
+            self.model.settle()
+        self._note_outgrown(self._unsettled)
+        self._unsettled = None
+        self._busy += time.perf_counter() - begun
 
     def rollback(self) -> None:
         """Back to the window's start, bit for bit."""
@@ -130,7 +147,7 @@ class Participant:
         self._need(self._rollback, "rollback", "start did not ask for rollback")
         self._need(self._saved is not None, "rollback", "the window was advanced as final")
         self.model.restore(self._saved)
-        self._limit, self._stage = None, "ready"
+        self._limit, self._unsettled, self._stage = None, None, "ready"
 
     def accept(self) -> dict[str, float] | None:
         """Make the window final: writes the frame due; returns the probes when a row is due."""
@@ -139,14 +156,21 @@ class Participant:
         if self._places is not None:
             self._places = self._places[1], self._places[1]
         self._next, self._saved, self._stage = index + 1, None, "ready"
+        frame = self._writer is not None and self._clock.crosses(index, self._frames)
+        row = self._clock.crosses(index, self._probe_rows)
+        if not frame and not row:
+            return None
+        self.settle()
         with self._timed_output():
-            if self._writer is not None and self._clock.crosses(index, self._frames):
+            self.model.check()
+            if frame:
                 self._writer.append(self._clock.time(index + 1), self.model.frame())
-            return self.model.probe_values() if self._clock.crosses(index, self._probe_rows) else None
+            return self.model.probe_values() if row else None
 
     def save(self, path: str | Path) -> None:
         """Write the complete state, and what it has cost so far, to the HDF5 file `path`."""
         self._need(self._stage == "ready", "save", self._why_not_ready())
+        self.settle()
         with self._timed_output():
             costs = {n: np.array(v) for n, v in self._costs().items()}
             state = under("model", self.model.state()) | under("cost", costs)
@@ -189,6 +213,11 @@ class Participant:
         }
 
     # ---- the books --------------------------------------------------------------------------------------------
+
+    @property
+    def spent(self) -> float:
+        """Time [s] spent in steps and in output so far."""
+        return self._busy + self._writing
 
     @property
     def finished(self) -> bool:

@@ -20,13 +20,24 @@ class Service:
     """Decodes and checks each request, calls the participant's verb, encodes the reply.
 
     An error becomes a reply with verb "error" and info {kind, text, exit_code}; the participant stays usable after a
-    message that was refused, since nothing of it has reached the model.
+    message that was refused, since nothing of it has reached the model. An error in `settle` is the next reply.
     """
 
     def __init__(self, participant: Participant, run: str):
         self.participant = participant
         self._run = run
         self._sequence = 0
+        self._late: Exception | None = None  # what `settle` has raised
+        self._settled = 0.0  # s, spent in it since the last reply
+
+    def settle(self) -> None:
+        """What the participant does once its reply is on its way."""
+        before = self.participant.spent
+        try:
+            self.participant.settle()
+        except Exception as error:
+            self._late = error
+        self._settled = self.participant.spent - before
 
     def handle(self, data: bytes) -> bytes:
         """The reply to one request."""
@@ -38,7 +49,12 @@ class Service:
             answer = _VERBS.get(request.verb)
             if answer is None:
                 raise BadMessage(f"verb {request.verb!r} is not known; known are {', '.join(_VERBS)}")
+            if self._late is not None:
+                raise self._late
+            before = self.participant.spent
             info, fields = answer(self.participant, request)
+            info["spent"] = [self._settled, self.participant.spent - before]
+            self._settled = 0.0
             reply = self._reply(request, request.verb, info, fields)
             self._sequence += 1
             return reply

@@ -92,15 +92,7 @@ def solver_app(side: str, factory: Factory) -> typer.Typer:
         model = factory(scene, True, threads)
         participant = Participant(model, side, out, own_faces(scene, model))
         try:
-            service = Service(participant, run)
-            serve(
-                connect,
-                run,
-                side,
-                service.handle,
-                lambda: participant.finished,
-                participant.model.steps,
-            )
+            serve(connect, run, side, Service(participant, run))
         finally:
             participant.close()
 

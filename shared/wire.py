@@ -29,6 +29,9 @@ Requests and what they carry (fields; info), and their replies:
     save, load path (a file of the participant's machine) → –
     finish     –                                   → –; cost
 
+Every reply may carry, in its info, spent: two times [s], what the participant worked after its last reply, and for this
+one; by them the coupler tells work from waiting.
+
 An exchange is either kinematics (position, velocity, acceleration, velocity_mean, acceleration_mean: each (k, 2)) or
 loads (pressure (k,), force (k, 2)); units in contract.py. Any program that speaks these messages can be a participant.
 

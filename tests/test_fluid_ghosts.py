@@ -21,7 +21,7 @@ def test_ghost_pressure_is_exact_for_a_linear_field():
     exact = 5000.0 + slope @ store.S[[X, Y]]
     store.S[P, fluid] = exact[fluid]
     store.S[AX, ghost], store.S[AY, ghost] = a
-    model._accelerate()
+    model._load_ghosts()
     near = ghost & (store.S[P] != 0.0)
     assert near.sum() > 50
     assert store.S[P, near] == pytest.approx(exact[near], rel=1e-12)

@@ -3,8 +3,9 @@
 import numpy as np
 import pytest
 
-from fluid_solver.cells import COLUMNS
+from fluid_solver.cells import COLUMNS, share_cells
 from fluid_solver.fields import AX, AY, FLUID, RHO, M, P, U, V, X, Y
+from fluid_solver.gather import next_stretch
 from fluid_solver.models import make_model
 from shared.contract import BadInput, Kinematics, SolverFailed
 from shared.schema import Scene
@@ -230,6 +231,27 @@ def test_no_speed_to_guess_the_sound_speed_from_is_bad_input():
         make_model(scene([{"name": "drop", "rectangle": (0.0, 0.0, 0.1, 0.1)}], gravity=(0.0, 0.0)), False, 1)
 
 
+@pytest.mark.parametrize("kind", [0, 1])
+def test_every_segment_with_targets_is_taken_once_whoever_takes_it(kind):
+    """Workers that take turns unevenly, and one alone: the same stretches, a share's own first."""
+    store = begun(tank(dx=4e-3)).store
+    shares = np.zeros(4, dtype=np.int64)
+    share_cells(store.start, store.grid, shares)
+
+    def stretches(order):
+        taken, found = np.zeros(3, dtype=np.int64), []
+        for worker in order:
+            row, first, last = next_stretch(store.start, store.grid, kind, shares, taken, worker)
+            found += [(row, first, last)] if first < last else []
+        return found
+
+    alone = stretches([1] * 1000)
+    assert len(alone) == len(set(alone)) > 10, "some in every share"
+    assert sorted(stretches(np.random.default_rng(0).choice(3, 3000, p=[0.7, 0.2, 0.1]))) == sorted(alone)
+    row, first, _ = alone[0]
+    assert store.start[2 * (row * store.grid.columns + first)] >= store.count // 4, "its own share first"
+
+
 FAR = Domain(lower=(-1.0, -1.0), upper=(1.0, 1.0))  # so that nothing leaves it
 
 
@@ -245,7 +267,8 @@ def test_cells_hold_all_neighbours_of_the_fastest(periodic, row):
         found = fluid_rows(fluid, AX, AY)
         state = {name: np.copy(array) for name, array in fluid.state().items()}
         fluid.store.sort()
-        fluid._accelerate()
+        fluid._load_ghosts()
+        fluid._accelerate(0.0)
         again = fluid_rows(fluid, AX, AY)
         fluid.restore(state)
         assert found == pytest.approx(again, rel=1e-9, abs=1e-9 * np.abs(again).max())

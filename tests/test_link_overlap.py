@@ -11,7 +11,7 @@ import pytest
 from coupler.choice import make_taker
 from coupler.mapping import build_mapping
 from coupler.prediction import Predictor
-from coupler.remote import Remote
+from coupler.remote import Remote, Working
 from coupler.schemes import Coupled
 from coupler.window import Plan
 from shared.clock import Clock
@@ -23,6 +23,7 @@ from shared.service import Service
 WINDOWS = 3
 WORK = {"fluid": 0.2, "solid": 0.3}
 """What a window takes each side [s]."""
+SETTLING = 0.15
 
 
 @contextlib.contextmanager
@@ -40,8 +41,7 @@ def working_sides(models):
 
             model.advance = slowly
             participant = Participant(model, name)
-            handle, steps = Service(participant, "run").handle, participant.model.steps
-            served = endpoint, "run", name, handle, lambda p=participant: p.finished, steps
+            served = endpoint, "run", name, Service(participant, "run")
             threads.append(threading.Thread(target=serve, args=served))
             threads[-1].start()
             link = ZenohLink(session, "run", name, lambda: None, stall_after=20.0)
@@ -79,6 +79,36 @@ def test_a_window_takes_the_sum_in_turn_and_the_longer_side_at_once(toy_spring, 
         spent = (time.perf_counter() - begun) / evaluations
     expected = sum(WORK.values()) if scheme.startswith("serial") else max(WORK.values())
     assert expected <= spent < expected + 0.1
+
+
+def early(model):
+    """`model`, settling for half a structure's window after it has told its loads; its steps each time it settled."""
+    settled = []
+
+    def settle():
+        time.sleep(SETTLING)
+        settled.append(model.steps())
+
+    model.reach, model.settle = model.advance, settle
+    return model, settled
+
+
+@pytest.mark.timeout(60)
+def test_a_side_settles_while_its_partner_works(toy_spring, toy_weight):
+    """The fluid takes no time for its loads, and then settles; neither side waits, and that is what is told."""
+    clock = Clock(0.3, WINDOWS)
+    fluid, settled = early(toy_weight(3.0, 2.0))
+    with working_sides({"fluid": fluid, "solid": toy_spring()}) as remotes:
+        c = started(remotes, clock)
+        take = make_taker(Plan("serial-explicit", clock.window_length), Coupling(scheme="serial-explicit"))
+        working, begun = Working(0.0, c.fluid, c.structure), time.perf_counter()
+        for k in range(WINDOWS):
+            take(c, clock.window(k))
+            working.note()
+        spent = time.perf_counter() - begun
+    assert settled == [10, 20, 30], "once a window, and before the probes that are due at the end"
+    assert WINDOWS * WORK["solid"] + SETTLING <= spent < WINDOWS * WORK["solid"] + SETTLING + 0.1
+    assert spent - 0.05 < working.seconds < spent
 
 
 @pytest.mark.timeout(60)

@@ -22,9 +22,8 @@ def alive():
 
 
 def serving(endpoint, participant, failures):
-    service = Service(participant, "run")
     try:
-        serve(endpoint, "run", "solid", service.handle, lambda: participant.finished, participant.model.steps)
+        serve(endpoint, "run", "solid", Service(participant, "run"))
     except ParticipantLost as error:
         failures.append(str(error))
 

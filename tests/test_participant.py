@@ -7,8 +7,10 @@ import pytest
 
 from shared.checkpoint import write_state
 from shared.clock import Clock
-from shared.contract import BadInput, Loads, OutOfOrder
+from shared.contract import BadInput, Loads, OutOfOrder, SolverFailed, exchange_fields
 from shared.participant import Participant
+from shared.service import Service
+from shared.wire import Message, decode, encode
 
 CLOCK = Clock(1.0, 10)
 LOAD = Loads(np.zeros(4), np.tile([0.0, -1.0], (4, 1)))
@@ -129,3 +131,69 @@ def test_sub_steps_are_those_of_the_state_at_the_windows_start(toy_spring, tmp_p
     again.load(tmp_path / "first.h5")
     again.advance(CLOCK.window(0), LOAD)
     assert again.model.steps() == 2 + 2, "a checkpoint's state has its own"
+
+
+class Early:
+    """A toy model that is asked in two parts, and counts."""
+
+    def __init__(self, model):
+        self._model, self.reach, self.settled = model, model.advance, 0
+
+    def __getattr__(self, name):
+        return getattr(self._model, name)
+
+    def settle(self):
+        self.settled += 1
+
+
+def test_a_window_is_settled_once_it_is_accepted_and_before_anything_needs_it(toy_spring, tmp_path):
+    model = Early(toy_spring())
+    participant = started(model, rollback=True, frames=2, probe_rows=5)
+    participant.advance(CLOCK.window(0), LOAD)
+    participant.settle()
+    assert model.settled == 0, "it may yet be rolled back"
+    participant.rollback()
+    participant.advance(CLOCK.window(0, 1), LOAD)
+    participant.accept()
+    assert model.settled == 0, "nothing is due"
+    participant.settle()
+    participant.settle()
+    assert model.settled == 1
+    participant.advance(CLOCK.window(1), LOAD)
+    assert participant.accept() is not None
+    assert model.settled == 2, "the row is of the settled state"
+    participant.advance(CLOCK.window(2), LOAD)
+    participant.accept()
+    participant.save(tmp_path / "state.h5")
+    assert model.settled == 3, "so is the checkpoint"
+    participant.advance(CLOCK.window(3), LOAD)
+    participant.rollback()
+    participant.advance(CLOCK.window(3, 1), LOAD)
+    assert model.settled == 3, "the window rolled back was not"
+
+
+def test_what_fails_while_it_settles_is_the_next_reply(toy_spring):
+    model = Early(toy_spring())
+    service = Service(Participant(model, "solid"), "run")
+    told = [
+        Message(run="run", sender="coupler", verb="describe", sequence=0),
+        Message(
+            run="run",
+            sender="coupler",
+            verb="start",
+            sequence=1,
+            info={"end": 1.0, "windows": 10, "rollback": False, "frames": 1, "probe_rows": 1},
+            fields={"selection": np.arange(4)},
+        ),
+    ]
+    window = CLOCK.window(0)
+    where = {"run": "run", "sender": "coupler", "verb": "advance", "fields": exchange_fields(LOAD)}
+    told.append(Message(**where, sequence=2, window=0, t0=window.t0, t1=window.t1, info={"final": True}))
+    for message in told:
+        assert decode(service.handle(encode(message))).verb == message.verb
+    model.settle = lambda: (_ for _ in ()).throw(SolverFailed("torn apart"))
+    service.settle()
+    window = CLOCK.window(1)
+    reply = decode(service.handle(encode(Message(**where, sequence=3, window=1, t0=window.t0, t1=window.t1))))
+    assert reply.verb == "error"
+    assert reply.info == {"kind": "SolverFailed", "text": "torn apart", "exit_code": 3}
