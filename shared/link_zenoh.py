@@ -26,8 +26,9 @@ from collections.abc import Callable, Iterator
 
 import zenoh
 
-from shared.contract import ParticipantLost, ShearwaterError
+from shared.contract import EarlyModel, ParticipantLost, ShearwaterError
 from shared.service import Service
+from shared.slices import SHORTEST, set_slice
 
 # One thread for all of zenoh's own work instead of one for each kind of it, through which every message is handed on: a
 # third off a round trip of 100 kB (0.25 to 0.17 ms), and fewer threads beside those that compute. Read when the first
@@ -78,6 +79,7 @@ def free_endpoint() -> str:
 def listening(run: str, endpoint: str | None = None) -> Iterator[tuple[zenoh.Session, str]]:
     """The coupler's session and its endpoint; without `endpoint` on a free port."""
     session, attempts = None, 1 if endpoint else 5
+    set_slice(SHORTEST)
     while session is None:
         chosen = endpoint or free_endpoint()
         attempts -= 1
@@ -242,6 +244,7 @@ def serve(
     The number of steps is sent as heartbeat.
     """
     participant = service.participant
+    set_slice(SHORTEST)
     try:
         session = zenoh.open(_config("client", "connect/endpoints", endpoint))
     except zenoh.ZError as error:
@@ -249,6 +252,8 @@ def serve(
             f"cannot reach a coupler at {endpoint} within {_CONNECT_TIMEOUT_S:g} s: {error} "
             "(a refused password or certificate shows as this time-out too)"
         ) from None
+    if isinstance(participant.model, EarlyModel):
+        set_slice(0.0)  # what it computes after a reply is in nobody's way; zenoh's own threads keep theirs
     stop = threading.Event()
     with _closing(session):
         replies = session.declare_publisher(

@@ -28,6 +28,7 @@ from shared.resume import unfinished
 from shared.scene import load_scene
 from shared.service import Service
 from shared.sides import own_probes
+from shared.slices import set_slice
 from shared.solo import Factory, replay_alone, resume_alone, run_alone
 from shared.warm import take_a_tiny_step
 
@@ -87,6 +88,7 @@ def solver_app(side: str, factory: Factory) -> typer.Typer:
     ) -> None:
         """Be the participant of a coupled run."""
         end_with(parent)
+        set_slice(0.0)  # the coupler's own are inherited
         logging.basicConfig(stream=sys.stderr, level=logging.INFO, format="%(asctime)s %(levelname)s %(message)s")
         scene = own_probes(load_scene(case), side)
         model = factory(scene, True, threads)
