@@ -54,6 +54,7 @@ _SUMS = (
     "work_fluid",
     "excused",
     "largest_work",
+    "turned_over",
     "largest_impulse",
     "mapping_error",
 )
@@ -62,10 +63,7 @@ _PATIENCE = 20
 _WARM = 0.5
 """Of the energy limit, past which lag is worth a warning."""
 _WARM_FOR = 40
-"""Windows in a row past it before the warning. Measured: 8 to 19 where water first strikes dam_break_plate.
-
-Energy lost counts, here and at the limit, once the work has stopped growing: where water first strikes a stiff wall, a
-load that grows by a fifth from window to window lags by as much of itself, which soon is nothing beside the work."""
+"""Windows in a row past it before the warning. Measured: 8 to 19 where water first strikes dam_break_plate."""
 _WAYS_OUT = {
     "energy": (
         "Energy is made or lost at the interface: the window is too long for this water and this structure. Set "
@@ -100,6 +98,7 @@ class Ledger:
         self._work_fluid = 0.0
         self._excused = 0.0  # energy that lag made before the exchange was iterated
         self._largest_work = 0.0
+        self._turned_over = 0.0  # sum of the sizes of the windows' work
         self._largest_impulse = 0.0
         self._mapping_error = 0.0
         self._growing = False  # the largest work, in the last window
@@ -123,7 +122,9 @@ class Ledger:
         self._impulse_structure += taken * window.length
         (points0, points1), (ghosts0, ghosts1) = outcome.points, outcome.ghosts
         self._work += float(np.vdot(used.force, points1.position - points0.position))
-        self._work_fluid -= float(np.vdot(found.force, ghosts1.position - ghosts0.position))
+        turned = float(np.vdot(found.force, ghosts1.position - ghosts0.position))
+        self._work_fluid -= turned
+        self._turned_over += abs(turned)
         self._last, before = window, self._largest_work
         self._largest_work = max(before, abs(self._work), abs(self._work_fluid))
         self._growing = self._largest_work > before
@@ -146,9 +147,15 @@ class Ledger:
         self._excused, self._past, self._warm = self._work + self._work_fluid, 0, 0
 
     def _energy(self) -> float:
-        """Energy that lag has made or lost, over the largest work; none while it is lost of a work that grows."""
+        """Energy that lag has made over the largest work, or lost over all the work turned over.
+
+        What is made feeds on itself, and counts beside what there is. What is lost comes of loads that change from
+        window to window, pressure's noise among them, and never ends: a stiff wall loses more than it ever holds.
+        """
         lag = self._work + self._work_fluid - self._excused
-        return 0.0 if lag < 0.0 and self._growing else abs(lag) / (self._largest_work or 1.0)
+        if lag >= 0.0:
+            return lag / (self._largest_work or 1.0)
+        return 0.0 if self._growing else -lag / (self._turned_over or 1.0)
 
     def _check(self) -> None:
         """Energy and impulse count once they stay past their limits; force lost by the map counts at once."""

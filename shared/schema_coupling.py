@@ -13,7 +13,10 @@ class Limits(Table):
     """Limits of the ledger; the run stops past one. They count once the coupling is past its first windows."""
 
     energy: Positive = key(
-        0.5, unit="-", about="largest energy made or lost at the interface by the lag, over the largest work done there"
+        0.5,
+        unit="-",
+        about="largest energy made at the interface by the lag, over the largest work done there, or lost, over all the "
+        "work turned over",
     )
     impulse: Positive = key(
         0.5, unit="-", about="largest difference of the impulses given and taken, over the largest impulse"
