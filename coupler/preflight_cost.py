@@ -31,9 +31,10 @@ WINDOW_S = 1e-3
 ALONE_SHARE = 0.3  # of it, that a row of probes costs a side alone
 BEAM_WINDOW_S = 2e-4
 """Besides, a window of the beam: it starts every window from its sections anew (dam_break_plate)."""
-ITERATIONS = 2.5
-"""Of a window of an implicit scheme. Measured with iqn-ils on windows of a fluid step: 1.3 to 2.0 (two_reservoirs,
-cantilever_in_water, light_gate, a drop on a gel), 2.6 to 3.0 (a flap in a splash, a reed in waves, a rubber gate)."""
+ITERATIONS = {"serial-implicit": 2.5, "parallel-implicit": 4.0}
+"""Of a window. Measured with iqn-ils on windows of a fluid step: serial 1.3 to 2.0 (two_reservoirs,
+cantilever_in_water, light_gate, a drop on a gel), 2.6 to 3.0 (a flap in a splash, a reed in waves, a rubber gate);
+parallel 4.0 (two gates in oil)."""
 START_S = 1.6
 """Per process, before its first step: loading libraries and compiled code."""
 _NEIGHBOURS_RADIUS = 2.6  # support over dx of the table's fluid
@@ -45,7 +46,8 @@ _LOOP_POINTS = 1000  # stays in the first cache
 
 @dataclass(frozen=True)
 class Cost:
-    """Predicted: `core_s` of processor time of both sides, of which `start_s` is spent before the first step."""
+    """Predicted: `core_s` of processor time of both sides, of which `start_s` is spent before the first step; steps
+    with those of all iterations."""
 
     core_s: float
     start_s: float
@@ -75,9 +77,9 @@ def predicted_cost(scene: Scene, n: Numbers, slower: float = 1.0) -> Cost:
     work += windows * WINDOW_S * (1.0 if sides == 2 else ALONE_SHARE)
     if sides == 2 and n.plate.model == "beam":
         work += windows * BEAM_WINDOW_S
-    if sides == 2 and expected_plan(scene, n).scheme.endswith("implicit"):
-        work *= ITERATIONS
-    return Cost(slower * (work + sides * START_S), slower * sides * START_S, fluid_steps, solid_steps, windows)
+    often = ITERATIONS.get(expected_plan(scene, n).scheme, 1.0) if sides == 2 else 1.0
+    start = slower * sides * START_S
+    return Cost(slower * often * work + start, start, often * fluid_steps, often * solid_steps, windows)
 
 
 def _developed_step(n: Numbers) -> float:

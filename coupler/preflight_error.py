@@ -10,14 +10,19 @@ Each part is measured on cases with a known answer (cases/results/structures.md 
     both               at least (0.6 + 1.3 ν) dx/L per clamp, which gives way within about a particle: what counts in a
                        body that is not slender          udl_beam, hydrostatic_plate, a dam of gel as wide as high
     still              0.1 %
+                       (neither this nor a column bears a body that floats, this none without weight)
     column             0.1 % of a mean or under a rigid body; 30 % of the swing of a plate that bends, whose water flows
                        sideways too (share of the first mode, coupler/preflight_numbers.py)
     water at rest      dx/H (ctvf), 3 dx/H (wcsph), a tenth with h = 2 dx  still_tank, soft_plate, hydrostatic_plate
+    a body afloat      a waterline within 0.4 dx of the body's thickness besides                  floating rafts
+    a body that swings in water of particles 1.5 dx/d (wcsph), 0.5 dx/d (ctvf), d its thickness if that is less
     flow               where water falls and splashes 3.8 dx/d, d its least extent at t = 0, of its front 1.4 dx/d; 0.5
                        dx/d (ctvf), 1.5 dx/d (wcsph) where it is held and circulates     dam_break_plate, taylor_green
     wave's period      0.25 % and what was found: 7.33 x^1.7 (ctvf), 17.2 x^1.9 (wcsph) too long, x = dx/wavelength, and
                        0.8 % too short at any x, for a lattice under pressure bears shear: the two cancel near x = 0.02;
                        8 % more with less than 40 neighbours, whose lattice bears more            standing_wave
+    waves' heights     as flow that is held, and with less than 40 neighbours 20 % more, for such a lattice bears waves
+                       of its spacing's height; at any dx                                          a wavemaker
 
 A period or a time of a peak feels half the error of a stiffness. A mean feels what is left of the start-up swing.
 """
@@ -28,8 +33,9 @@ import math
 
 from coupler.preflight_finding import PARTICLE_FLUIDS, STEADY
 from coupler.preflight_numbers import Numbers
-from coupler.preflight_plate import swing_left
+from coupler.preflight_plate import Plate, creep, swing_left
 from coupler.preflight_rules_joint import HELMHOLTZ_REFUSE
+from coupler.preflight_rules_water import LOOSE
 from shared.schema import Scene
 from shared.schema_solid import RIGID_MODELS
 
@@ -47,7 +53,8 @@ CROWD, CROWDED = 2.0, 0.1  # from this h/dx on a lattice of particles bears hard
 SMOOTH = {"ctvf": 0.5, "wcsph": 1.5}
 WAVE = {"ctvf": (7.33, 1.7), "wcsph": (17.2, 1.9)}
 WAVE_LATTICE, WAVE_MARGIN = 0.008, (1.2, 0.0025)
-LATTICE, LOOSE = 0.08, 3.5  # support over dx from which a lattice is loose enough for small waves
+LATTICE, WAVES = 0.08, 0.2  # of a period and of a height, where a lattice bears waves
+AFLOAT, WATERLINE = 0.03, 0.4  # weight of the water that a body's motion moves, over its springs' force
 FLOW, FRONT = 3.8, 1.4
 KEPT = {"total-lagrangian": 1e-12, "spring": 1e-12, "rigid": 1e-12, "beam": 1e-3, "ctvf": 1e-2}
 """What a model loses of a momentum, or of a stress carried round, that physics keeps."""
@@ -105,22 +112,37 @@ def _clamped(scene: Scene, n: Numbers) -> float:
 def _fluid(scene: Scene, n: Numbers) -> float:
     water, steady = n.water, scene.goal.statistic in STEADY
     closed = water.boxed and n.joint is not None and n.joint.closes
+    floats = n.plate is not None and afloat(scene, n.plate)
     if water.model == "still":
-        return STILL if water.rests and steady and not closed else UNKNOWN
+        weighs = any(scene.gravity)
+        return STILL if water.rests and steady and weighs and not closed and not floats else UNKNOWN
     if water.model not in PARTICLE_FLUIDS:
         bends = n.plate is not None and n.plate.model not in RIGID_MODELS
-        if not water.rests or (closed and scene.fluid.column.far_end == "open"):
+        if not water.rests or floats or (closed and scene.fluid.column.far_end == "open"):
             return UNKNOWN
         return STILL if steady or not bends else COLUMN
     if water.rests:
         if not steady and _radiates(n):
             return UNKNOWN
+        if not steady and n.plate is not None and n.plate.model == "spring":
+            return SMOOTH[water.model] * water.dx / min(water.width, n.plate.thickness)
         crowded = CROWDED if scene.fluid.h_over_dx >= CROWD else 1.0
-        return REST[water.model] * water.dx / water.height * crowded
+        waterline = WATERLINE * water.dx / n.plate.thickness if floats else 0.0
+        return REST[water.model] * water.dx / water.height * crowded + waterline
     if scene.goal.statistic == "wave-period":
         return _period(water.model, water.dx / _wavelength(scene, n)) + (LATTICE if _stiff(n) else 0.0)
     front = any(probe.name == scene.goal.probe and probe.quantity == "front-x" for probe in scene.probes)
-    return (SMOOTH[water.model] if water.held else FRONT if front else FLOW) * water.dx / water.width
+    flow = (SMOOTH[water.model] if water.held else FRONT if front else FLOW) * water.dx / water.width
+    return flow + (WAVES if water.waves and not steady and _stiff(n) else 0.0)
+
+
+def afloat(scene: Scene, plate: Plate) -> bool:
+    """Whether a body rises and sinks with the water's level: its springs along gravity do not hold it."""
+    g = math.hypot(*scene.gravity)
+    if plate.model != "spring" or g == 0.0:
+        return False
+    along = sum(k * (part / g) ** 2 for k, part in zip(scene.solid.spring.stiffness, scene.gravity, strict=False))
+    return along * AFLOAT < scene.fluid.density * g * plate.length
 
 
 def _period(model: str, x: float) -> float:
@@ -155,5 +177,7 @@ def _swing(scene: Scene, n: Numbers) -> float:
         return 0.0
     if n.water is not None and n.water.model in PARTICLE_FLUIDS:
         return 0.0
-    radians = 2.0 * math.pi * plate.frequency * (scene.end_time - scene.output.average_from)
-    return swing_left(scene, plate) / max(radians, 1.0)
+    measured, omega = scene.end_time - scene.output.average_from, 2.0 * math.pi * plate.frequency
+    # A swing averages itself out, a creep only as far as it dies.
+    turns = omega if plate.damping < 2.0 * omega else creep(plate)
+    return swing_left(scene, plate) / max(turns * measured, 1.0)

@@ -11,12 +11,13 @@ from dataclasses import dataclass, field
 from typing import Literal, get_args
 
 from coupler.preflight_cost import Cost, predicted_cost
-from coupler.preflight_error import Parts, error_parts
+from coupler.preflight_error import Parts, afloat, error_parts
 from coupler.preflight_finding import PARTICLE_FLUIDS, STEADY
 from coupler.preflight_numbers import Numbers, scene_numbers
 from coupler.preflight_rules_joint import helmholtz
 from coupler.preflight_variations import coupled, dampings, fits, has_particles, refined, with_models
 from shared.scene_checks import check_scene
+from shared.scene_models import FORCES
 from shared.schema import Scene
 from shared.schema_fluid import Fluid
 from shared.schema_solid import RIGID_MODELS, Solid
@@ -143,6 +144,10 @@ def _unable(scene: Scene, n: Numbers, worst: str) -> str:
         if n.water.model in PARTICLE_FLUIDS:
             found = helmholtz(scene, n)
             return f"the low sound speed cannot resolve a {what}: {found.reason}"
+        if n.plate is not None and afloat(scene, n.plate):
+            return f"the body floats: it moves the water's level, which {n.water.model} leaves where it is"
+        if not any(scene.gravity) and n.water.model == "still":
+            return "water at rest without weight presses on nothing"
         if not n.water.rests:
             return "the water is not at rest: nothing holds it where it stands, or it starts moving"
         if n.water.boxed and n.joint is not None and n.joint.closes:
@@ -159,7 +164,8 @@ def _cannot(scene: Scene, side: str, model: str | None) -> str:
     solid, goal = scene.solid, scene.goal
     if side == "solid" and model in RIGID_MODELS and solid.model not in RIGID_MODELS:
         probe = next((p for p in scene.probes if p.name == goal.probe), None)
-        if probe is None or probe.body in {body.name for body in solid.bodies} or model == "spring":
+        of_solid = probe is None or probe.body in {body.name for body in solid.bodies}
+        if model == "spring" or (of_solid and (probe is None or probe.quantity not in FORCES)):
             return "the goal is how an elastic body deforms"
     if model == "column" and solid is None:
         return "columns stand on a structure, and there is none"

@@ -31,9 +31,9 @@ _WET = 0.5  # of a face's samples before which water stands, from which it count
 
 @dataclass(frozen=True)
 class Plate:
-    """The thinnest body of the solid. `frequency` [1/s], `deflection` [m]: of a slender body under the scene's loads,
-    None where nothing bends; `stretch`: strain along its length under them; `wet`: number of its long faces with water
-    before them at t = 0."""
+    """The thinnest body of the solid. `frequency` [1/s]: of a slender body, or of a rigid one on its stiffest spring;
+    `deflection` [m]: of a slender body under the scene's loads; None where there is no such thing. `stretch`: strain
+    along its length under them; `wet`: number of its long faces with water before them at t = 0."""
 
     name: str
     model: str
@@ -54,11 +54,15 @@ class Plate:
 
 
 def swing_left(scene: Scene, plate: Plate) -> float:
-    """What is left of a swing in the first mode, which decays as exp(−η t/2), when means begin; a mode damped beyond
-    return creeps at η/2 − √(η²/4 − ω²)."""
+    """What is left of a swing in the first mode when means begin."""
+    return math.exp(-creep(plate) * scene.output.average_from)
+
+
+def creep(plate: Plate) -> float:
+    """Rate [1/s] at which the first mode comes to rest: η/2, or, damped beyond return, η/2 − √(η²/4 − ω²)."""
     half, omega = 0.5 * plate.damping, 2.0 * math.pi * plate.frequency
-    rate = half if half < omega else half - math.sqrt(half**2 - omega**2)
-    return math.exp(-rate * scene.output.average_from)
+    # the second as a quotient: the difference of like numbers would be nothing
+    return half if half < omega else omega**2 / (half + math.sqrt(half**2 - omega**2))
 
 
 def measure_plate(scene: Scene, water: Water | None) -> Plate:
@@ -74,6 +78,9 @@ def measure_plate(scene: Scene, water: Water | None) -> Plate:
     frequency = deflection = None
     if elastic:
         frequency = first_frequency(ends, length, stiffness, solid.density * thickness)
+    damping = solid.damping
+    if solid.model == "spring":
+        frequency, damping = _sprung(scene, area(body))
     axes = axes_of(body.rotate)
     wet = _wetted(scene, body, axis) if water is not None else 0
     if elastic and ends:
@@ -95,8 +102,16 @@ def measure_plate(scene: Scene, water: Water | None) -> Plate:
         wet=int(wet),
         particles=_solid_particles(scene),
         step=_solid_step(scene, frequency, ends),
-        damping=solid.damping,
+        damping=damping,
     )
+
+
+def _sprung(scene: Scene, volume: float) -> tuple[float | None, float]:
+    """Frequency [1/s] and damping [1/s] of a body of `volume` [m²] on the stiffest of its springs along x and y; None
+    and 0 without."""
+    spring, mass = scene.solid.spring, scene.solid.density * volume
+    stiffness, damping = max(zip(spring.stiffness[:2], spring.damping[:2], strict=True))
+    return (math.sqrt(stiffness / mass) / (2.0 * math.pi), damping / mass) if stiffness > 0.0 else (None, 0.0)
 
 
 def _solid_particles(scene: Scene) -> float:

@@ -11,7 +11,7 @@ from coupler.preflight_finding import Finding, Rule
 from coupler.preflight_numbers import Numbers
 from coupler.preflight_rules_joint import ghost_acceleration, helmholtz, mass_ratio, step_ratio, support, window_number
 from coupler.preflight_rules_plate import across, cauchy, courant_solid, poisson, printed_gradient, slenderness
-from coupler.preflight_rules_water import courant_fluid, froude, mach, neighbours, start_up, water_across
+from coupler.preflight_rules_water import courant_fluid, falls_out, froude, mach, neighbours, start_up, water_across
 from shared.schema import Scene
 
 RULES: tuple[Rule, ...] = (
@@ -30,6 +30,7 @@ RULES: tuple[Rule, ...] = (
     courant_solid,
     water_across,
     neighbours,
+    falls_out,
     start_up,
     poisson,
     printed_gradient,

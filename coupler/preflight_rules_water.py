@@ -14,6 +14,7 @@ MACH_WARN, MACH_REFUSE = 0.2, 0.5  # density varies by Ma²: 4 %, a quarter
 MACH_IDLE = 0.02  # five times the usual sound speed, and as many steps, for a density that varies by 0.04 %
 WATER_ACROSS_WARN = 8.0
 H_OVER_DX = {"wendland-c2": (1.0, 3.0), "quintic-spline": (0.9, 1.6)}  # fewer: noise; more: pairs
+LOOSE = 3.5  # support over dx from which a lattice is loose enough for small waves
 H_OVER_DX_FALLING = 1.7  # dam_break_wall at 2.0: 11 to 20 particles in the walls, energy up by 0.3 to 0.9 %
 
 
@@ -79,12 +80,23 @@ def neighbours(scene: Scene, n: Numbers) -> Finding | None:
     value, kernel = scene.fluid.h_over_dx, scene.fluid.kernel
     least, most = H_OVER_DX[kernel]
     most = most if n.water.held else min(most, H_OVER_DX_FALLING)
+    if n.water.waves and n.water.support < LOOSE * n.water.dx:
+        waves = "with so few neighbours a lattice bears waves of its spacing's height: lower by a fifth, at any dx"
+        return Finding("h/dx", value, "warn", waves, "fluid.h_over_dx = 2.0")
     if least <= value <= most:
         return Finding("h/dx", value, "ok", kernel)
     if value < least:
         return Finding("h/dx", value, "warn", "too few neighbours", "fluid.h_over_dx = 1.3 (quintic-spline: 1.0)")
     pairs = "particles pair up" if kernel == "quintic-spline" else "falling water gets into walls and gains energy"
     return Finding("h/dx", value, "warn", pairs, "fluid.h_over_dx = 1.3 (quintic-spline: 1.0)")
+
+
+def falls_out(scene: Scene, n: Numbers) -> Finding | None:
+    """Share of the water's lower faces with nothing below."""
+    if not of_particles(n) or n.water.bottomless == 0.0:
+        return None
+    reason = f"under {100 * n.water.bottomless:.0f} % of the water's lower faces there is nothing: it falls out"
+    return Finding("nothing below", n.water.bottomless, "warn", reason, "a wall below; gravity points where it should?")
 
 
 def start_up(scene: Scene, n: Numbers) -> Finding | None:

@@ -13,7 +13,7 @@ from coupler.preflight_rules_joint import ALPHA_WARN, SUPPORT_WARN
 from coupler.preflight_rules_plate import ACROSS_WARN
 from coupler.preflight_rules_water import WATER_ACROSS_WARN
 from shared.schema import Scene
-from shared.schema_solid import PARTICLE_MODELS
+from shared.schema_solid import PARTICLE_MODELS, RIGID_MODELS
 from shared.sides import probe_rows
 
 Varied = tuple[Scene, tuple[str, ...]]
@@ -115,6 +115,8 @@ def dampings(scene: Scene, n: Numbers) -> Iterator[Varied]:
     plate = n.plate
     alone = n.water is None or n.water.model not in PARTICLE_FLUIDS
     if plate is None or plate.frequency is None or not alone or scene.goal.statistic not in STEADY:
+        return
+    if plate.model in RIGID_MODELS:  # have dampers of their own
         return
     damping = float(f"{2.0 * _DAMPING_RATIO * 2.0 * math.pi * plate.frequency:.3g}")
     if damping > plate.damping and scene.output.average_from > 0.0:

@@ -24,7 +24,8 @@ UPWARD = 0.7  # cosine against gravity beyond which a face of the water is its f
 @dataclass(frozen=True)
 class Water:
     """The fluid. `held`: on all sides but its surface something stands behind it, so that it does not fall; `rests`: it
-    is held and starts at rest; `boxed`: at rest, and something stands behind its surface too."""
+    is held, starts at rest, and nothing drives it; `boxed`: at rest, and something stands behind its surface too;
+    `waves`: it is held, has a surface and weight, and does not rest."""
 
     model: str
     density: float
@@ -41,6 +42,8 @@ class Water:
     held: bool
     rests: bool
     boxed: bool
+    waves: bool
+    bottomless: float  # share of its lower faces with nothing below
 
 
 def measure_water(scene: Scene) -> Water:
@@ -49,7 +52,7 @@ def measure_water(scene: Scene) -> Water:
     corners = np.concatenate([outline(body).reshape(-1, 2) for body in fluid.bodies])
     height = float(np.ptp(corners @ np.asarray(scene.gravity))) / g if g else float(np.ptp(corners[:, 1]))
     start = max(math.hypot(*body.velocity) + _field_speed(body) for body in fluid.bodies)
-    walls = max((_wall_speed(wall) for wall in scene.walls), default=0.0)
+    walls = max((*(_wall_speed(wall) for wall in scene.walls), _driven_speed(scene)), default=0.0)
     speed = max(math.sqrt(2.0 * g * height + start**2), walls)
     sound = speed / MACH_AUTO if fluid.sound_speed == "auto" else fluid.sound_speed
     h = fluid.h_over_dx * fluid.dx
@@ -57,6 +60,10 @@ def measure_water(scene: Scene) -> Water:
     courant = COURANT.get(fluid.model, 1.0) if fluid.courant == "auto" else fluid.courant
     still = start == 0.0 and walls == 0.0
     open_sides, open_top = unbacked(scene)
+    if fluid.model in COURANT and not g:
+        open_sides = open_sides or open_top  # what presses on it drives it away
+    elif fluid.model not in COURANT:
+        open_top = open_top and fluid.column.far_end == "open"
     if fluid.model in COURANT:
         step = fluid_step(courant, h, sound + start, fluid.viscosity, g)
     else:  # nothing moves in `still`; a wave in `column` must not come back within the step that sends it
@@ -77,6 +84,8 @@ def measure_water(scene: Scene) -> Water:
         held=not open_sides,
         rests=still and not open_sides,
         boxed=still and not open_sides and not open_top,
+        waves=not still and not open_sides and open_top and g > 0.0,
+        bottomless=bottomless(scene),
     )
 
 
@@ -90,6 +99,13 @@ def _wall_speed(wall: Wall) -> float:
     if wall.motion is None:
         return abs(wall.surface_speed)
     return largest_speed(wall.motion, wall.polyline)
+
+
+def _driven_speed(scene: Scene) -> float:
+    """Largest speed [m/s] of a structure whose motion is prescribed."""
+    if scene.solid is None or scene.solid.motion is None:
+        return 0.0
+    return max(largest_speed(scene.solid.motion, outline(body).reshape(-1, 2)) for body in scene.solid.bodies)
 
 
 def _fluid_particles(scene: Scene, support: float) -> float:
@@ -135,6 +151,29 @@ def unbacked(scene: Scene) -> tuple[bool, bool]:
         return False, bool(free.any())
     surface = outward @ up > UPWARD
     return bool(np.any(free & ~surface)), bool(np.any(free & surface))
+
+
+def bottomless(scene: Scene) -> float:
+    """Share of the water's lower faces with neither wall nor structure nor water anywhere below them."""
+    g = np.asarray(scene.gravity, dtype=float)
+    period = np.array([bounds is not None for bounds in (scene.fluid.periodic.x, scene.fluid.periodic.y)])
+    if not g.any() or g[period].any():
+        return 0.0
+    up = -g / np.hypot(*g)
+    frame = np.stack([[up[1], -up[0]], up], axis=1)  # across gravity, and against it
+    dx = scene.fluid.dx
+    middle, outward = edge_samples(scene.fluid.bodies, dx)
+    low = middle[outward @ up < -UPWARD] @ frame
+    faces = np.concatenate([*_faces_behind(scene), *map(outline, scene.fluid.bodies)]) @ frame
+    start, end = faces[:, 0], faces[:, 1]
+    left, right = np.minimum(start[:, 0], end[:, 0]), np.maximum(start[:, 0], end[:, 0])
+    across = np.where(end[:, 0] == start[:, 0], np.inf, end[:, 0] - start[:, 0])
+    share = np.clip((low[:, None, 0] - start[:, 0]) / across, 0.0, 1.0)
+    height = start[:, 1] + share * (end[:, 1] - start[:, 1])
+    above = (low[:, None, 0] > left - 0.5 * dx) & (low[:, None, 0] < right + 0.5 * dx)
+    own = len(faces) - sum(len(outline(body)) for body in scene.fluid.bodies)  # water's faces come last
+    reach = np.where(np.arange(len(faces)) < own, _BACKED * dx, -_BACKED * dx)  # its own is no face below itself
+    return float(np.mean(~np.any(above & (height < low[:, None, 1] + reach), axis=1))) if len(low) else 0.0
 
 
 def edge_samples(bodies, dx: float) -> tuple[np.ndarray, np.ndarray]:

@@ -31,6 +31,12 @@ _EXPRESSED = {
 }
 """What models that are not made of particles can say; the others say everything."""
 
+FORCES = ("force-x", "force-y")
+"""Quantities of a solid that the fluid knows: what it does to it."""
+
+_EXPRESSED_BY_WATER = {"still": ("pressure", *FORCES, "level"), "column": ("pressure", *FORCES)}
+"""What fluids that are not made of particles can say; they leave other probes out."""
+
 _BY_FORCES = ("external-work", "dissipated", *REACTIONS)
 
 _AXIS = {"left": 0, "right": 0, "bottom": 1, "top": 1}
@@ -122,6 +128,22 @@ def _quantities(scene: Scene) -> Iterator[str]:
             yield f"{path}: the motion is prescribed, so no forces are computed; leave it out"
 
 
+def _goals(scene: Scene) -> Iterator[str]:
+    """A goal that the fluid's model leaves out."""
+    fluid, goal = scene.fluid, scene.goal
+    known = _EXPRESSED_BY_WATER.get(fluid.model) if fluid is not None else None
+    if known is None or goal is None:
+        return
+    bodies = {body.name for body in scene.solid.bodies or []} if scene.solid is not None else ()
+    for probe in scene.probes:
+        of_fluid = probe.body not in bodies or probe.quantity in FORCES
+        if probe.name == goal.probe and of_fluid and probe.quantity not in known:
+            yield (
+                f'goal.probe = "{goal.probe}": {probe.quantity} of water is nothing that model {fluid.model} knows '
+                f"(it knows {', '.join(known)}); use model wcsph or ctvf, or another goal"
+            )
+
+
 def _starts(scene: Scene) -> Iterator[str]:
     """Initial states that a body or the model cannot take."""
     solid = scene.solid
@@ -189,6 +211,7 @@ MODEL_CHECKS: tuple[Callable[[Scene], Iterator[str]], ...] = (
     _motion,
     _moving_clamps,
     _quantities,
+    _goals,
     _starts,
     _following,
 )

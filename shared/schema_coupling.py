@@ -15,8 +15,8 @@ class Limits(Table):
     energy: Positive = key(
         0.5,
         unit="-",
-        about="largest energy made at the interface by the lag, over the largest work done there, or lost, over all the "
-        "work turned over",
+        about="largest energy made at the interface by the lag, over the largest work done there, or lost, over all "
+        "the work turned over",
     )
     impulse: Positive = key(
         0.5, unit="-", about="largest difference of the impulses given and taken, over the largest impulse"
