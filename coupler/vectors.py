@@ -60,26 +60,34 @@ class Measure:
         return self.absolute if isinstance(exchange, Loads) else _STILL
 
     def agrees(self, used: tuple[Exchange, ...], found: tuple[Exchange, ...]) -> bool:
-        """Whether all differences are below the relative or the absolute tolerance."""
+        """Whether all differences are finite and below the relative or the absolute tolerance."""
         for before, after in zip(used, found, strict=True):
             name = self._leading(after)
-            difference = np.linalg.norm(getattr(after, name) - getattr(before, name))
-            if difference > max(self.relative * np.linalg.norm(getattr(after, name)), self._floor(after)):
+            difference = _norm(getattr(after, name) - getattr(before, name))
+            if not difference < np.inf or difference > max(
+                self.relative * _norm(getattr(after, name)), self._floor(after)
+            ):
                 return False
         return True
 
     def change(self, used: Exchange, found: Exchange) -> float:
         """Size of the difference over that of what was found."""
         name = self._leading(found)
-        difference = np.linalg.norm(getattr(found, name) - getattr(used, name))
-        return float(difference / max(np.linalg.norm(getattr(found, name)), np.finfo(float).tiny))
+        difference = _norm(getattr(found, name) - getattr(used, name))
+        return difference / max(_norm(getattr(found, name)), float(np.finfo(float).tiny))
 
     def weights(self, *found: Exchange) -> np.ndarray:
         """Weight of every entry of the packed vector."""
         parts = []
         for one in found:
-            size = np.linalg.norm(getattr(one, self._leading(one)))
+            size = _norm(getattr(one, self._leading(one)))
             counted = (self._leading(one), *(() if isinstance(one, Loads) else ("velocity",)))
             for name, array in exchange_fields(one).items():
                 parts.append(np.full(array.size, 1.0 / (size or 1.0) if name in counted else 0.0))
         return np.concatenate(parts)
+
+
+def _norm(array: np.ndarray) -> float:
+    """Root of the sum of squares; infinite for huge values."""
+    with np.errstate(over="ignore"):
+        return float(np.linalg.norm(array))

@@ -147,11 +147,17 @@ def _unpack_array(name: Any, spec: Any) -> np.ndarray:
         raise BadMessage(f"field {name!r}: shape {shape} of {spec['dtype']} does not fit data of {size} bytes")
     flat = np.frombuffer(data, dtype)
     array = flat if len(shape) == 1 else flat.reshape(shape)
-    if dtype.kind == "f" and not math.isfinite(flat @ flat):  # quick, and not finite for huge values too
+    if dtype.kind == "f" and not _surely_finite(flat):
         bad = int(np.count_nonzero(~np.isfinite(array)))
         if bad:
             raise BadMessage(f"field {name!r} has {bad} value(s) that are not finite")
     return array
+
+
+def _surely_finite(flat: np.ndarray) -> bool:
+    """Whether the sum of squares is finite: quick, and False for huge values too."""
+    with np.errstate(over="ignore", invalid="ignore"):
+        return math.isfinite(flat @ flat)
 
 
 def check_envelope(message: Message, *, run: str, sender: str, sequence: int) -> None:

@@ -9,6 +9,7 @@ import pytest
 
 from coupler.ledger import Ledger
 from coupler.prediction import Predictor
+from coupler.vectors import Measure
 from shared.clock import Clock
 from shared.contract import Loads, SolverFailed
 from shared.schema_coupling import Coupling, Limits
@@ -84,3 +85,11 @@ def test_a_side_that_lag_throws_about_fails_after_the_ledger(toy_spring, toy_wei
         told.append(ledger.explained(error))
     assert told[0] is error
     assert str(told[1]).index("window is too long") < str(told[1]).index("turning forces")
+
+
+@pytest.mark.filterwarnings("error")
+@pytest.mark.parametrize("size", [1.0, 1e200])
+def test_a_change_beside_no_load_at_all_is_huge_and_without_numpys_warning(size):
+    measure, load, none = Measure(1e-3, 1e-9, "force"), Loads(np.zeros(1), np.full((1, 2), size)), Loads.zero(1)
+    assert measure.change(load, none) > 1e300
+    assert not measure.agrees((none,), (load,))

@@ -71,6 +71,17 @@ def test_malformed_message_is_refused(data, words):
         decode(data)
 
 
+@pytest.mark.filterwarnings("error")
+def test_huge_values_pass_and_what_is_not_finite_is_counted_without_numpys_warning():
+    huge = np.array([1e300, -1e300])
+    assert decode(encode(Message("r", "fluid", "advance", 0, fields={"x": huge}))).fields["x"].tolist() == [
+        1e300,
+        -1e300,
+    ]
+    with pytest.raises(BadMessage, match="2 value"):
+        decode(field(data=np.array([np.inf, 2, 3, 1e300, 5, -np.inf]).tobytes()))
+
+
 def test_oversized_message_is_refused(monkeypatch):
     monkeypatch.setattr(wire, "SIZE_LIMIT", 100)
     with pytest.raises(BadMessage, match="larger than the limit of 100 bytes"):
