@@ -15,6 +15,7 @@ import numpy as np
 
 from shared.contract import BadInput, ShearwaterError
 from shared.drawing import FONT_PT, INK, axes_at, new_figure
+from shared.results import loss
 from shared.scene import load_scene
 
 _WIDTH_IN, _HEIGHT_IN = 6.5, 2.8
@@ -68,6 +69,8 @@ def _summary(result: Mapping[str, Any]) -> str:
     reason = f": {escape(result['reason'])}" if result["reason"] else ""
     lines = [f'<p>Case {escape(result["case"])}, <span class="{result["status"]}">{result["status"]}</span>{reason}, '
              f"t = {result['t_end']:g} s after {result['cost']['wall_s']:.1f} s.</p>"]  # fmt: skip
+    if lost := loss(result):
+        lines.append(f'<p class="warn">{escape(lost)}</p>')
     known = result.get("preflight") or {}
     if "predicted" in known and "actual" in known:
         said, came = known["predicted"], known["actual"]

@@ -20,6 +20,7 @@ LARGEST_COMPRESSION = 0.2  # |ρ/ρ0 − 1| beyond which a particle is not weakl
 _HUGE = 1e300
 FRACTION = 2e-3  # of the fluid that may be so: single particles are in splashes, of no weight for the rest
 FEW = 3  # particles that may be so in any case
+_PLACES = 6  # decimals of a place [m] that is told
 HEADROOM = 3.0  # of the scene's height, above it, in the automatic domain: splashes fall back
 _NAMES = {X: "position", Y: "position", U: "velocity", V: "velocity", RHO: "density", P: "pressure"}
 
@@ -72,12 +73,22 @@ def report_lost(store, reported: int) -> int:
     """
     if store.parked < max(1, 2 * reported):
         return reported
-    gone = np.flatnonzero(store.kind == PARKED)
-    x, y = store.S[X, gone[-1]], store.S[Y, gone[-1]]
+    x, y = _first_gone(store)
     log.warning(
         "%d fluid particles have left the domain and are taken out, one near (%.4g, %.4g) m", store.parked, x, y
     )
     return store.parked
+
+
+def losses(store, fluid: int) -> dict[str, object]:
+    """What of `fluid` particles has left the domain; see `LeakyModel.losses`."""
+    found = {"lost": store.parked, "lost_fraction": store.parked / fluid}
+    return found | {"lost_near": [round(float(c), _PLACES) for c in _first_gone(store)]} if store.parked else found
+
+
+def _first_gone(store) -> np.ndarray:
+    """Where (2,) [m] one of the first particles out of the domain was when it was taken out."""
+    return store.S[[X, Y], np.flatnonzero(store.kind == PARKED)[-1]]
 
 
 def check(store, c) -> None:

@@ -284,6 +284,10 @@ class ParticleFluid:
         """Fluid, wall and structure-ghost particles."""
         return self.fluid_count + len(self.ghosts.position)
 
+    def losses(self) -> dict[str, object]:
+        """What has left the domain."""
+        return diagnosis.losses(self.store, self.fluid_count)
+
     def steps(self) -> int:
         """Time steps taken so far."""
         return self._steps

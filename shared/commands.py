@@ -14,6 +14,7 @@ from rich.table import Table
 
 from shared.contract import ShearwaterError
 from shared.record import Record
+from shared.results import loss
 from shared.scene import scene_warnings
 from shared.schema import Scene
 from shared.start import INTERRUPTED, on_stop_signals
@@ -74,11 +75,13 @@ def warn(scene: Scene) -> None:
 
 
 def conclude(record: Record, quiet: bool) -> None:
-    """Print the probes against their references, the cost, and where everything is."""
+    """Print the probes against their references, the cost, and where everything is; even if `quiet`, what was lost."""
+    result = record.result
+    if lost := loss(result):
+        _say(f"warning: {lost}")
     if quiet:
         return
     console = Console()
-    result = record.result
     if result["references"]:
         table = Table(title="probes against references")
         for heading in ("probe", "reference", "statistic", "reference value", "computed", "error"):

@@ -186,3 +186,12 @@ class EarlyModel(Model, Protocol):
 
     def settle(self) -> None:
         """Do the rest of `advance`."""
+
+
+@runtime_checkable
+class LeakyModel(Model, Protocol):
+    """A model that gives up what leaves its domain."""
+
+    def losses(self) -> dict[str, object]:
+        """`lost`: number of particles that have left since t = 0; `lost_fraction`: of those that may; `lost_near`
+        [m]: a place where one of the first did, if any has. For the cost figures."""

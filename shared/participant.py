@@ -23,6 +23,7 @@ from shared.contract import (
     EarlyModel,
     Exchange,
     Kinematics,
+    LeakyModel,
     Loads,
     Model,
     OutOfOrder,
@@ -210,6 +211,7 @@ class Participant:
             "outgrown_windows": round(costs["outgrown_windows"]),
             "particle_steps_per_s": particles * steps / busy if busy else 0.0,
             "peak_MiB": peak_mib(),
+            **(self.model.losses() if isinstance(self.model, LeakyModel) else {}),
         }
 
     # ---- the books --------------------------------------------------------------------------------------------

@@ -83,7 +83,8 @@ def make_result(
 
     `case_text`: the run's case.toml, whose digest is `case_hash`. `cost`: wall_s, core_s, and what is known of
     fluid, solid and coupling. Every documented key is there; what a run does not have (the other side, the
-    coupling, the ledger of a side alone) is None.
+    coupling, the ledger of a side alone) is None. A fluid of particles also has in `cost.fluid` what has left the
+    domain since t = 0: `lost`, a number of particles, `lost_fraction`, and `lost_near` [m] where one of the first did.
     """
     return {
         "schema": RESULT_SCHEMA,
@@ -104,6 +105,19 @@ def make_result(
         "preflight": dict(preflight or {}),
         "environment": environment(threads),
     }
+
+
+def loss(result: Mapping[str, Any]) -> str:
+    """One sentence about the fluid that has left the domain, and what to do about it; empty where none has."""
+    fluid = result["cost"].get("fluid") or {}
+    if not fluid.get("lost"):
+        return ""
+    share, (x, y) = 100.0 * fluid["lost_fraction"], fluid["lost_near"]
+    return (
+        f"{fluid['lost']} fluid particles ({share:.3g} % of all) have left the domain, one of the first near "
+        f"({x:.4g}, {y:.4g}) m, and are missing since: look for a gap in the walls there, or a wall that has the fluid "
+        "on its right; make domain larger where water is meant to go that far."
+    )
 
 
 def _complete(given: Mapping[str, Any] | None, keys: tuple[str, ...]) -> dict[str, Any] | None:

@@ -219,9 +219,12 @@ def test_water_that_gets_out_is_counted(tmp_path):
     box = ("domain={ lower = [-0.1, -0.1], upper = [0.6, 2.0] }",)
     hole = ("walls.tank.polyline=[[0.0, 0.75], [0.0, 0.0], [0.5, 0.0]]",)
     mode = Mode("open tank", "still_tank", spoil=hole, cure=(), shorten=(*text, *box))
-    leaked = [run(mode, sets, tmp_path / str(len(sets))).result["probes"]["leaked"]["max"] for sets in (hole, ())]
+    results = [run(mode, sets, tmp_path / str(len(sets))).result for sets in (hole, ())]
+    leaked = [result["probes"]["leaked"]["max"] for result in results]
     assert leaked[0] > 10
     assert leaked[1] == 0.0
+    assert results[0]["cost"]["fluid"]["lost"] > 10
+    assert results[1]["cost"]["fluid"]["lost"] == 0
 
 
 def test_the_table_of_failures_names_tests_and_cases_that_exist():

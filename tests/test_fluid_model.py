@@ -218,9 +218,12 @@ def test_fluid_that_leaves_the_domain_is_taken_out_and_counted(caplog):
     wall = {"name": "lid", "polyline": [(0.2, -0.1), (-0.1, -0.1)]}
     table = scene([jet], [wall], gravity=(0.0, 0.0), probes=[{"name": "lost", "quantity": "leaked"}])
     model = begun(table)
+    assert model.losses() == {"lost": 0, "lost_fraction": 0.0}
     with caplog.at_level("WARNING", logger="shearwater"):
         run(model, 0.2, 40)
-    assert model.probe_values()["lost"] == model.fluid_count
+    assert model.probe_values()["lost"] == model.losses()["lost"] == model.fluid_count
+    assert model.losses()["lost_fraction"] == 1.0
+    assert model.losses()["lost_near"][0] > 0.2  # beyond the lid's end, where the domain ends
     assert len(model.frame().position) == 0
     said = [record for record in caplog.records if "left the domain" in record.message]
     assert 1 <= len(said) <= np.log2(model.fluid_count) + 1  # each time twice as much

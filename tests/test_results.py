@@ -6,12 +6,14 @@ import os
 import subprocess
 import sys
 from pathlib import Path
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from shared.commands import conclude
 from shared.contract import BadInput, ShearwaterError
 from shared.probes import UNITS, ProbeTable, compare, probe_units, read_probes
 from shared.results import environment, make_result, new_run_directory, write_result
@@ -286,6 +288,20 @@ def test_result_has_every_documented_key(tmp_path):
     assert coupled["cost"]["fluid"] == SIDE
     assert coupled["cost"]["coupling"]["wait_s"] is None
     assert coupled["case_hash"] == alone["case_hash"]
+
+
+@pytest.mark.parametrize("quiet", [False, True])
+def test_lost_fluid_is_said_where_a_run_ends(tmp_path, capsys, quiet):
+    losses = {"lost": 120, "lost_fraction": 0.25, "lost_near": [0.5, -0.02]}
+    said = []
+    for more in (losses, {"lost": 0, "lost_fraction": 0.0}, {}):
+        found = result(tmp_path, cost={"wall_s": 1.0, "core_s": 1.0, "fluid": SIDE | more})
+        conclude(SimpleNamespace(result=found, run_dir=tmp_path, pictures=[]), quiet)
+        said.append(capsys.readouterr().err)
+    assert said[0].startswith("warning: 120 fluid particles (25 % of all)")
+    assert "near (0.5, -0.02) m" in said[0]
+    assert said[0].count("\n") == 1
+    assert said[1:] == ["", ""]
 
 
 def test_result_file_is_strict_json_and_replaced_whole(tmp_path, monkeypatch):

@@ -13,6 +13,7 @@ import pytest
 
 import coupler.run
 import shared.solo
+from coupler.report import write_report
 from coupler.run import resume_coupled, run_coupled
 from fluid_solver.models import make_model
 from shared.checkpoint import Checkpoints, claim, newest, read_state, write_state
@@ -90,6 +91,22 @@ def test_every_scheme_goes_on_with_its_memory(scheme, tmp_path, monkeypatch):
     for name in ("iterations_mean", "iterations_most", "not_converged", "reasons"):
         assert found["cost"]["coupling"][name] == whole["cost"]["coupling"][name], name
     assert found["cost"]["fluid"]["steps"] == whole["cost"]["fluid"]["steps"]
+
+
+def test_what_was_lost_before_a_break_counts_in_the_end(tmp_path, monkeypatch):
+    """Water falls out of a domain that ends in it; the page of the run says so."""
+    domain = "domain={ lower = [0.0, 0.0], upper = [0.1, 0.0601] }"
+    hole = 'walls=[{ name = "far", polyline = [[1.0, 0.0], [1.0, 1.0]] }]'
+    scene = load_scene(tiny_coupled(tmp_path, end_time=0.06), [OFTEN, domain, hole, "output.probe_interval=1e-3"])
+    whole = run_alone(scene, "tiny", "fluid", make_model, tmp_path / "whole", 1, True).result["cost"]["fluid"]
+    given = (scene, "tiny", "fluid", make_model, tmp_path / "cut", 1, True)
+    cut_short(monkeypatch, shared.solo.Record, "at", 45, run_alone, *given)
+    again, last = unfinished(tmp_path / "cut")
+    before = read_state(last.part("fluid"))["model/cells"][3]
+    found = resume_alone(tmp_path / "cut", last, again, "fluid", make_model, 1, True).result["cost"]["fluid"]
+    assert 0 < before < found["lost"]
+    assert {k: v for k, v in found.items() if "lost" in k} == {k: v for k, v in whole.items() if "lost" in k}
+    assert f"{found['lost']} fluid particles" in write_report(tmp_path / "cut").read_text(encoding="utf-8")
 
 
 def test_one_side_alone_goes_on(tmp_path, monkeypatch):
