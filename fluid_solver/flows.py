@@ -19,11 +19,6 @@ def initial_flow(body: FluidBody, position: np.ndarray, rho0: float) -> tuple[np
     return velocity + field_velocity, pressure
 
 
-def largest_field_speed(body: FluidBody) -> float:
-    """Largest speed [m/s] of the body's velocity field."""
-    return abs(body.velocity_field.speed) if body.velocity_field else 0.0
-
-
 def _taylor_green(body: FluidBody, position: np.ndarray, rho0: float) -> tuple[np.ndarray, np.ndarray]:
     """Taylor & Green (1937): vortices that keep their shape and decay as exp(−2νk²t)."""
     speed, k = body.velocity_field.speed, 2.0 * math.pi / body.velocity_field.wavelength

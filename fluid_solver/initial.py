@@ -13,11 +13,11 @@ from dataclasses import dataclass
 import numpy as np
 
 from fluid_solver.fields import FREE_SLIP, NO_SLIP, STRUCTURE
-from fluid_solver.flows import initial_flow, largest_field_speed
+from fluid_solver.flows import initial_flow
 from fluid_solver.period import period_of, within_period
 from shared.contract import BadInput
+from shared.expected_speed import NO_SPEED, expected_speed
 from shared.geometry import contains, distance_to, fill, ghosts, outline, wall_particles
-from shared.motion_table import largest_speed
 from shared.schema import Scene
 from shared.schema_fluid import Wall
 from shared.schema_geometry import Body
@@ -61,23 +61,10 @@ def sound_speed(scene: Scene) -> float:
     fluid = scene.fluid
     if fluid.sound_speed != "auto":
         return fluid.sound_speed
-    g = math.hypot(*scene.gravity)
-    points = np.concatenate([outline(body).reshape(-1, 2) for body in fluid.bodies])
-    height = np.ptp(points @ np.asarray(scene.gravity)) / g if g > 0.0 else 0.0
-    start = max(math.hypot(*body.velocity) + largest_field_speed(body) for body in fluid.bodies)
-    walls = max((wall_speed(wall) for wall in scene.walls), default=0.0)
-    speed = max(math.sqrt(2.0 * g * height + start * start), walls)
+    speed = expected_speed(scene)
     if speed == 0.0:
-        raise BadInput(
-            'fluid.sound_speed = "auto" needs an expected speed, but the scene has no gravity, no initial velocity '
-            "and no moving wall: give fluid.sound_speed in m/s, ten times the largest speed you expect."
-        )
+        raise BadInput(NO_SPEED)
     return speed / MACH
-
-
-def wall_speed(wall: Wall) -> float:
-    """Largest speed [m/s] of a wall."""
-    return largest_speed(wall.motion, wall.polyline) if wall.motion else abs(wall.surface_speed)
 
 
 def fluid_particles(scene: Scene, c0: float) -> FluidParticles:

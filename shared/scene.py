@@ -34,7 +34,7 @@ def load_scene(case: str | Path, sets: Sequence[str] = ()) -> Scene:
     _find_curves(data, path.parent)
     scene, breaches = validate(data)
     mistakes += breaches
-    mistakes += check_scene(scene)
+    mistakes += check_scene(scene, readable=not mistakes)
     if mistakes:
         count = "1 mistake" if len(mistakes) == 1 else f"{len(mistakes)} mistakes"
         raise BadInput(f"{path}: {count}\n" + "\n".join(f"  {mistake}" for mistake in mistakes))

@@ -17,6 +17,7 @@ from shared.geometry import contains, distance_to, faces, outline
 from shared.scene_fields import suggest
 from shared.scene_geometry import GEOMETRY_CHECKS, has_shape
 from shared.scene_models import MODEL_CHECKS, SOLID_ONLY, STRESSES
+from shared.scene_water import WATER_CHECKS
 from shared.schema import Scene
 
 _ON_BODY = 1e-6  # distance over the body's size within which a point counts as on the body
@@ -48,10 +49,14 @@ _QUANTITIES = {
 }
 
 
-def check_scene(scene: Scene) -> list[str]:
-    """All mistakes found between the tables of `scene`."""
+def check_scene(scene: Scene, readable: bool = True) -> list[str]:
+    """All mistakes found between the tables of `scene`, and where there are none and all of it was `readable`, those
+    that only a whole scene can show."""
     checks = (_sides, _unique_names, _times, _clamps_and_loads, _probes, _references, *GEOMETRY_CHECKS, *MODEL_CHECKS)
-    return [mistake for check in checks for mistake in check(scene)]
+    mistakes = [mistake for check in checks for mistake in check(scene)]
+    if mistakes or not readable:
+        return mistakes
+    return [mistake for check in WATER_CHECKS for mistake in check(scene)]
 
 
 def _sides(scene: Scene) -> Iterator[str]:

@@ -118,6 +118,31 @@ def test_one_mistake_is_one_line_that_says_it(scene_file, change):
     assert WRONG[change] in line
 
 
+MOTION = "solid.motion={ times = [0, 1], translation = [[0, 0], [0, 0.1]] }"
+NO_SPEED = ("gravity=[0, 0]",)
+
+
+@pytest.mark.parametrize(
+    ("sets", "told"),
+    [
+        (NO_SPEED, False),
+        ((*NO_SPEED, "fluid.model=ctvf"), False),
+        ((*NO_SPEED, "solid.model=rigid", "solid.clamps=[]", MOTION), False),
+        ((*NO_SPEED, "fluid.sound_speed=10.0"), True),
+        ((*NO_SPEED, "fluid.model=still"), True),
+        ((*NO_SPEED, "fluid.bodies.water.velocity=[0.1, 0]"), True),
+        ((*NO_SPEED, "walls.tank.motion={ times = [0, 1], translation = [[0, 0], [0, 0.1]] }"), True),
+        ((*NO_SPEED, "walls.tank.motion={ times = [0, 1], translation = [[0, 0], [0, 0]] }"), False),
+    ],
+)
+def test_the_automatic_sound_speed_needs_something_that_tells_it(scene_file, sets, told):
+    if told:
+        assert load_scene(scene_file(), sets).gravity == (0.0, 0.0)
+    else:
+        (line,) = mistakes(scene_file(), *sets)
+        assert 'fluid.sound_speed = "auto": needs an expected speed' in line
+
+
 def test_touching_is_no_overlap(scene_file):
     touching = "solid.bodies.plate.rectangle=[0.5, 0, 0.55, 0.3]"
     assert load_scene(scene_file(), [touching, "probes.tip.point=[0.5, 0.3]"]).solid.bodies[0].rectangle[0] == 0.5

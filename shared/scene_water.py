@@ -1,0 +1,21 @@
+"""What the models of the fluid need of a scene; looked at where the scene has no other mistake."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+
+from shared.expected_speed import NO_SPEED, expected_speed
+from shared.schema import Scene
+
+
+def _sound_speed(scene: Scene) -> Iterator[str]:
+    """Something tells the automatic sound speed, where the model has sound."""
+    fluid = scene.fluid
+    if fluid is None or fluid.sound_speed != "auto" or any(scene.gravity):
+        return
+    silent = fluid.model == "still" or (fluid.model == "column" and not fluid.column.compressible)
+    if not silent and expected_speed(scene) == 0.0:
+        yield NO_SPEED
+
+
+WATER_CHECKS: tuple[Callable[[Scene], Iterator[str]], ...] = (_sound_speed,)
