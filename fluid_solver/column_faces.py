@@ -2,18 +2,14 @@
 
 from __future__ import annotations
 
-import math
 from dataclasses import dataclass
 
 import numpy as np
 
-from shared.contract import BadInput
 from shared.geometry import fill, outline, own_box
 from shared.schema import Scene
 from shared.schema_geometry import Body
-
-_TOUCHING = 1e-6  # of dx: faces this near to each other touch
-_PARALLEL = 1e-9  # sine of the angle between faces that touch
+from shared.wetted_faces import wetted_stretches
 
 
 @dataclass(frozen=True)
@@ -55,37 +51,22 @@ class Patch:
 
 
 def wetted_patches(scene: Scene) -> list[Patch]:
-    """All faces of solid bodies that stand on faces of fluid bodies.
-
-    Raises BadInput where a fluid body is no rectangle, touches no solid, or touches solids at two opposite faces.
-    """
+    """All faces of solid bodies that stand on faces of fluid bodies, which a checked scene has where columns can
+    stand."""
     return [patch for body in scene.fluid.bodies for patch in _of_body(scene, body)]
 
 
 def _of_body(scene: Scene, body: Body) -> list[Patch]:
-    if body.rectangle is None:
-        raise BadInput(f"fluid body '{body.name}' is no rectangle, which model column needs; use model wcsph or ctvf.")
     gravity, corners = np.array(scene.gravity), outline(body).reshape(-1, 2)
     top, lattice = float(np.max(-corners @ gravity)), fill(body, scene.fluid.dx).position
     found = []
-    for side, (start, end) in enumerate(outline(body)):
-        along = (end - start) / math.hypot(*(end - start))
-        inward = np.array([-along[1], along[0]])  # the body is on the left
-        length = _extent(body, side)
-        for k, solid in enumerate(scene.solid.bodies if scene.solid else []):
-            for piece in _common(start, along, math.hypot(*(end - start)), outline(solid), scene.fluid.dx):
-                count = max(1, round((piece[1] - piece[0]) / scene.fluid.dx))
-                width = (piece[1] - piece[0]) / count
-                feet = start + (piece[0] + (np.arange(count)[:, None] + 0.5) * width) * along
-                found.append((side, Patch(feet, width, length, inward, k, lattice, top)))
-    sides = {side for side, _ in found}
-    if not sides or {0, 2} <= sides or {1, 3} <= sides:
-        where = "touches no face of a solid body" if not sides else "touches solid bodies at two opposite faces"
-        raise BadInput(
-            f"fluid body '{body.name}' {where}: model column is water between one wetted face and a far end. Let the "
-            "body share one face with the structure, or use model wcsph or ctvf."
-        )
-    return [patch for _, patch in found]
+    for s in wetted_stretches(scene, body):
+        inward = np.array([-s.along[1], s.along[0]])  # the body is on the left
+        count = max(1, round((s.high - s.low) / scene.fluid.dx))
+        width = (s.high - s.low) / count
+        feet = s.start + (s.low + (np.arange(count)[:, None] + 0.5) * width) * s.along
+        found.append(Patch(feet, width, _extent(body, s.side), inward, s.solid, lattice, top))
+    return found
 
 
 def _extent(body: Body, side: int) -> float:
@@ -93,18 +74,3 @@ def _extent(body: Body, side: int) -> float:
     lower, upper = own_box(body)
     start, end = outline(body.model_copy(update={"rotate": None}))[side]
     return float((upper - lower)[0 if abs(end[1] - start[1]) > abs(end[0] - start[0]) else 1])
-
-
-def _common(start, along, length: float, segments: np.ndarray, dx: float) -> list[tuple[float, float]]:
-    """Parts, as intervals along a face from `start` in direction `along`, that lie on one of `segments` (k, 2, 2)."""
-    across = np.array([-along[1], along[0]])
-    parts = []
-    for a, b in segments:
-        direction = (b - a) / math.hypot(*(b - a))
-        if abs(direction @ across) > _PARALLEL or abs((a - start) @ across) > _TOUCHING * dx:
-            continue
-        low, high = sorted(((a - start) @ along, (b - start) @ along))
-        low, high = max(low, 0.0), min(high, length)
-        if high - low > _TOUCHING * dx:
-            parts.append((low, high))
-    return parts

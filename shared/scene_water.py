@@ -6,6 +6,7 @@ from collections.abc import Callable, Iterator
 
 from shared.expected_speed import NO_SPEED, expected_speed
 from shared.schema import Scene
+from shared.wetted_faces import why_no_columns
 
 
 def _sound_speed(scene: Scene) -> Iterator[str]:
@@ -18,4 +19,13 @@ def _sound_speed(scene: Scene) -> Iterator[str]:
         yield NO_SPEED
 
 
-WATER_CHECKS: tuple[Callable[[Scene], Iterator[str]], ...] = (_sound_speed,)
+def _columns(scene: Scene) -> Iterator[str]:
+    """Columns stand in rectangles, between the structure and a far end."""
+    if scene.fluid is None or scene.fluid.model != "column":
+        return
+    for i, body in enumerate(scene.fluid.bodies):
+        if wrong := why_no_columns(scene, body):
+            yield f"fluid.bodies[{i}]: {wrong}"
+
+
+WATER_CHECKS: tuple[Callable[[Scene], Iterator[str]], ...] = (_sound_speed, _columns)

@@ -13,6 +13,7 @@ from shared.contract import BadInput, Kinematics
 from shared.scene import load_scene
 from tests.coupled_models import piston
 
+AROUND = [[-0.1, -0.1], [1.1, -0.1], [1.1, 0.2], [1.0, 0.2], [1.0, 0.0], [0.0, 0.0], [0.0, 0.2], [-0.1, 0.2]]
 RHO, C, LENGTH, HEIGHT = 1000.0, 50.0, 1.0, 0.2
 
 
@@ -109,12 +110,13 @@ def test_pressure_along_the_column_is_that_of_the_wave():
     ("sets", "what"),
     [
         (["fluid.bodies.water.rectangle=[0.2,0,1,0.2]"], "touches no face"),
+        ([f"solid.bodies=[{{name='piston',polygon={AROUND}}}]"], "at two opposite faces"),
         (["fluid.bodies=[{name='water',circle={centre=[0.5,0.1],radius=0.1}}]"], "no rectangle"),
     ],
 )
 def test_columns_refuse_where_they_cannot_stand(sets, what):
-    with pytest.raises(BadInput, match=what):
-        make_model(piston(sets), True, 1)
+    with pytest.raises(BadInput, match=rf"fluid\.bodies\[0\]: 'water' .*{what}"):
+        piston(sets)
 
 
 def test_closed_incompressible_water_is_refused():

@@ -1,0 +1,69 @@
+"""Where the faces of a fluid body lie on those of solid bodies, and whether columns of water can stand there."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+
+from shared.geometry import outline
+from shared.schema import Scene
+from shared.schema_geometry import Body
+
+_TOUCHING = 1e-6  # of dx: faces this near to each other touch
+_PARALLEL = 1e-9  # sine of the angle between faces that touch
+
+
+@dataclass(frozen=True)
+class Stretch:
+    """A part of a fluid body's face that lies on a solid body: number `side` of the outline's segment, its `start` (2,)
+    [m] and direction `along` (2,), the part's ends `low` and `high` [m] from there, and the `solid` body's number."""
+
+    side: int
+    start: np.ndarray
+    along: np.ndarray
+    low: float
+    high: float
+    solid: int
+
+
+def wetted_stretches(scene: Scene, body: Body) -> list[Stretch]:
+    """All stretches of the fluid body `body`."""
+    found = []
+    for side, (start, end) in enumerate(outline(body)):
+        length = math.hypot(*(end - start))
+        along = (end - start) / length
+        for k, solid in enumerate(scene.solid.bodies if scene.solid else []):
+            pieces = _common(start, along, length, outline(solid), scene.fluid.dx)
+            found += [Stretch(side, start, along, low, high, k) for low, high in pieces]
+    return found
+
+
+def why_no_columns(scene: Scene, body: Body) -> str:
+    """Why model column cannot have the fluid body `body`, and the way out; empty if it can."""
+    if body.rectangle is None:
+        return f"'{body.name}' is no rectangle, which model column needs; use model wcsph or ctvf"
+    sides = {stretch.side for stretch in wetted_stretches(scene, body)}
+    if sides and not ({0, 2} <= sides or {1, 3} <= sides):
+        return ""
+    where = "touches solid bodies at two opposite faces" if sides else "touches no face of a solid body"
+    return (
+        f"'{body.name}' {where}: model column is water between one wetted face and a far end; let the body share one "
+        "face with the structure, or use model wcsph or ctvf"
+    )
+
+
+def _common(start, along, length: float, segments: np.ndarray, dx: float) -> list[tuple[float, float]]:
+    """Parts, as intervals along a face from `start` in direction `along`, that lie on one of `segments` (k, 2, 2)."""
+    across = np.array([-along[1], along[0]])
+    parts = []
+    for a, b in segments:
+        direction = (b - a) / math.hypot(*(b - a))
+        if abs(direction @ across) > _PARALLEL or abs((a - start) @ across) > _TOUCHING * dx:
+            continue
+        low, high = sorted(((a - start) @ along, (b - start) @ along))
+        low, high = max(low, 0.0), min(high, length)
+        if high - low > _TOUCHING * dx:
+            parts.append((low, high))
+    return parts
