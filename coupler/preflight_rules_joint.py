@@ -22,7 +22,7 @@ STEP_RATIO_WARN = 5000.0  # sub-steps of the solid per fluid step; hydrostatic_p
 
 def helmholtz(scene: Scene, n: Numbers) -> Finding | None:
     """Depth of the water in radians of sound at the plate's frequency in incompressible water, 2π f H/c0."""
-    if n.joint is None or not of_particles(n) or n.joint.wet_frequency is None or n.water.sound_speed == 0.0:
+    if n.joint is None or not of_particles(n) or n.joint.wet_frequency is None:
         return None
     j, w = n.joint, n.water
     value = 2.0 * math.pi * j.wet_frequency * j.depth / w.sound_speed

@@ -23,9 +23,6 @@ def mach(scene: Scene, n: Numbers) -> Finding | None:
     if not of_particles(n):
         return None
     w = n.water
-    if w.sound_speed == 0.0:
-        reason = "nothing tells how fast the water will be: no gravity, no initial speed, no moving wall"
-        return Finding("Mach", math.nan, "refuse", reason, "give fluid.sound_speed, ten times the largest speed")
     value = w.speed / w.sound_speed
     verdict = above(value, MACH_WARN, MACH_REFUSE)
     reason = f"up to {w.speed:.3g} m/s at c0 = {w.sound_speed:.3g} m/s: density varies by {100 * value**2:.2g} %"

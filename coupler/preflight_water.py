@@ -8,12 +8,12 @@ from dataclasses import dataclass
 import numpy as np
 
 from coupler.preflight_shapes import outline
+from shared.expected_speed import driven_speed, expected_speed, start_speed
 from shared.fluid_step import COURANT, fluid_step
 from shared.geometry import contains, distance_to
 from shared.kernels import kernel_named
-from shared.motion_table import largest_speed
 from shared.schema import Scene
-from shared.schema_fluid import FluidBody, Wall
+from shared.schema_fluid import Wall
 from shared.schema_geometry import Body
 
 MACH_AUTO = 0.1  # largest expected speed over the sound speed "auto"
@@ -51,14 +51,12 @@ def measure_water(scene: Scene) -> Water:
     g = math.hypot(*scene.gravity)
     corners = np.concatenate([outline(body).reshape(-1, 2) for body in fluid.bodies])
     height = float(np.ptp(corners @ np.asarray(scene.gravity))) / g if g else float(np.ptp(corners[:, 1]))
-    start = max(math.hypot(*body.velocity) + _field_speed(body) for body in fluid.bodies)
-    walls = max((*(_wall_speed(wall) for wall in scene.walls), _driven_speed(scene)), default=0.0)
-    speed = max(math.sqrt(2.0 * g * height + start**2), walls)
+    start, speed = start_speed(scene), expected_speed(scene)
     sound = speed / MACH_AUTO if fluid.sound_speed == "auto" else fluid.sound_speed
     h = fluid.h_over_dx * fluid.dx
     support = kernel_named(fluid.kernel).support * h
     courant = COURANT.get(fluid.model, 1.0) if fluid.courant == "auto" else fluid.courant
-    still = start == 0.0 and walls == 0.0
+    still = start == 0.0 and driven_speed(scene) == 0.0
     open_sides, open_top = unbacked(scene)
     if fluid.model in COURANT and not g:
         open_sides = open_sides or open_top  # what presses on it drives it away
@@ -87,25 +85,6 @@ def measure_water(scene: Scene) -> Water:
         waves=not still and not open_sides and open_top and g > 0.0,
         bottomless=bottomless(scene),
     )
-
-
-def _field_speed(body: FluidBody) -> float:
-    """Largest speed [m/s] of the body's initial velocity field, at its top where waves are fastest."""
-    return abs(body.velocity_field.speed) if body.velocity_field is not None else 0.0
-
-
-def _wall_speed(wall: Wall) -> float:
-    """Largest speed [m/s] of a moving wall."""
-    if wall.motion is None:
-        return abs(wall.surface_speed)
-    return largest_speed(wall.motion, wall.polyline)
-
-
-def _driven_speed(scene: Scene) -> float:
-    """Largest speed [m/s] of a structure whose motion is prescribed."""
-    if scene.solid is None or scene.solid.motion is None:
-        return 0.0
-    return max(largest_speed(scene.solid.motion, outline(body).reshape(-1, 2)) for body in scene.solid.bodies)
 
 
 def _fluid_particles(scene: Scene, support: float) -> float:

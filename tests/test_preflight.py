@@ -39,7 +39,6 @@ TRIPPED = (
     ("mach", "dam_break", ["fluid.sound_speed=10"], "Mach", "warn"),
     ("mach", "dam_break", ["fluid.sound_speed=4"], "Mach", "refuse"),
     ("mach", "dam_break", ["fluid.sound_speed=1480"], "Mach", "warn"),
-    ("mach", "still_tank", ["gravity=[0.0, 0.0]"], "Mach", "refuse"),
     ("helmholtz", "hydrostatic_plate", ["goal.statistic=min"], "Helmholtz", "refuse"),
     ("froude", "dam_break", ["domain={ lower = [-0.1, -0.1], upper = [2.0, 0.6] }",
                              "fluid.bodies.water.velocity=[4.0, 0.0]"], "Froude", "warn"),

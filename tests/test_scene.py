@@ -127,7 +127,7 @@ NO_SPEED = ("gravity=[0, 0]",)
     [
         (NO_SPEED, False),
         ((*NO_SPEED, "fluid.model=ctvf"), False),
-        ((*NO_SPEED, "solid.model=rigid", "solid.clamps=[]", MOTION), False),
+        ((*NO_SPEED, "solid.model=rigid", "solid.clamps=[]", MOTION), True),
         ((*NO_SPEED, "fluid.sound_speed=10.0"), True),
         ((*NO_SPEED, "fluid.model=still"), True),
         ((*NO_SPEED, "fluid.bodies.water.velocity=[0.1, 0]"), True),
