@@ -21,9 +21,9 @@ from coupler.remote import Remote, RemoteError, Working
 from coupler.schemes import Coupled, probes
 from coupler.supervisor import PACKAGES, solver_processes
 from coupler.window import Plan, alpha_rate, make_plan, mass_ratio
-from shared.checkpoint import Checkpoint, Checkpoints
+from shared.checkpoint import Checkpoint, Checkpoints, way_on
 from shared.clock import Clock
-from shared.contract import BadInput, Description, SolverFailed
+from shared.contract import BadInput, Description, ParticipantLost, SolverFailed
 from shared.record import Record
 from shared.results import new_run_directory
 from shared.schema import Scene
@@ -75,8 +75,19 @@ def resume_coupled(
 def _run(scene: Scene, threads: dict[str, int], link: str, record: Record, last: Checkpoint | None = None) -> None:
     """Start both sides, march them from t = 0 or from a checkpoint, and end them."""
     run_dir, run = record.run_dir, uuid.uuid4().hex[:12]
-    with _logging_to(run_dir / "log"), _sides(scene, threads, link, run, record) as both:
+    with _logging_to(run_dir / "log"), _naming_the_way_on(run_dir), _sides(scene, threads, link, run, record) as both:
         couple(scene, both["fluid"], both["solid"], record, last)
+
+
+@contextlib.contextmanager
+def _naming_the_way_on(run_dir: Path) -> Iterator[None]:
+    """A run that loses a side can go on from its last checkpoint, and its error says how."""
+    try:
+        yield
+    except ParticipantLost as error:
+        if way := way_on(run_dir):
+            raise ParticipantLost(f"{error}\n{way}") from error
+        raise
 
 
 def _sides(scene: Scene, threads: dict[str, int], link: str, run: str, record: Record):

@@ -30,7 +30,7 @@ class Solver:
     log: Path
 
     def alive(self) -> None:
-        """Raises when the process has ended: its own error, or ParticipantLost with the end of its log."""
+        """Raises when the process has ended: its own error, or ParticipantLost with the end of its log, if any."""
         code = self.process.poll()
         if code is None:
             return
@@ -39,9 +39,10 @@ class Solver:
             raise RemoteError(text.rpartition("error: ")[2].strip(), code)
         how = f"was killed by signal {-code}" if code < 0 else f"ended with exit code {code}"
         tail = "\n".join(text.splitlines()[-_TAIL_LINES:])
+        last_words = f" End of its log {self.log}:\n{tail}" if tail else ""
         raise ParticipantLost(
             f"the {self.name} solver (process {self.process.pid}) {how} in the middle of the run; "
-            f"what it had written is kept. End of its log {self.log}:\n{tail or '(empty)'}"
+            f"what it had written is kept.{last_words}"
         )
 
     def stop(self) -> None:

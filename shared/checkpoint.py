@@ -16,6 +16,7 @@ import io
 import json
 import logging
 import os
+import shlex
 import shutil
 import time
 from collections.abc import Mapping
@@ -143,6 +144,15 @@ def newest(run_dir: Path) -> Checkpoint:
         f"{run_dir} holds no complete checkpoint to go on from: it is not the directory of a run, or its run was over "
         "before the first one. Start it again with `run`."
     )
+
+
+def way_on(run_dir: Path) -> str:
+    """The command that goes on with a run that was cut short; empty where no checkpoint lets it."""
+    try:
+        last = newest(run_dir)
+    except BadInput:
+        return ""
+    return f"go on from t = {last.time:.4g} s with: coupler resume {shlex.quote(str(run_dir))}"
 
 
 def claim(run_dir: Path) -> TextIO:

@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
+import sys
 import time
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
-from shared.checkpoint import Checkpoint, claim
+from shared.checkpoint import Checkpoint, claim, way_on
 from shared.contract import ShearwaterError
 from shared.pictures import draw_pictures
 from shared.probes import ProbeTable, probe_units
@@ -21,7 +22,8 @@ class Record:
     """Context of a run in `run_dir`: writes `case.toml` first, `probes.csv` on the way, `result.json` at the end.
 
     The run adds to `cost`, `ledger` and `preflight`. An error or Ctrl-C that leaves the context is written down as
-    the run's status and reason, and goes on. `last`: the checkpoint that the run goes on from.
+    the run's status and reason, and goes on; after Ctrl-C the command that goes on with the run is printed. `last`: the
+    checkpoint that the run goes on from.
     """
 
     def __init__(
@@ -95,6 +97,8 @@ class Record:
         write_result(self.run_dir, self.result)
         self.pictures = draw_pictures(self.run_dir, self._scene)
         self.claim.close()
+        if status == "interrupted" and (way := way_on(self.run_dir)):
+            print(way, file=sys.stderr, flush=True)
 
 
 def _status(error: BaseException | None) -> tuple[str, str]:

@@ -103,6 +103,8 @@ def test_killed_solver(running, victim):
     assert code == 4
     assert f"{victim} solver" in errors
     assert "killed by signal 9" in errors
+    assert "(empty)" not in errors
+    assert f"coupler resume {out}\n" in errors
     assert readable(out)["status"] == "failed"
     assert all_gone(solvers.values(), within=10.0)
 
@@ -110,8 +112,9 @@ def test_killed_solver(running, victim):
 def test_interrupted_run(running):
     process, solvers, out = running
     process.send_signal(signal.SIGINT)
-    code, _ = ended(process)
+    code, errors = ended(process)
     assert code == 130
+    assert f"coupler resume {out}\n" in errors
     result = readable(out)
     assert result["status"] == "interrupted"
     assert result["t_end"] > 0.0
@@ -136,6 +139,7 @@ def test_an_interrupted_side_alone_keeps_all_it_has(tmp_path, words):
                 os.kill(pid, signal.SIGKILL)
     assert code == 130
     assert "stopping after this window" in errors
+    assert f"coupler resume {out}\n" in errors
     result = json.loads((out / "result.json").read_text())
     assert result["status"] == "interrupted"
     assert newest(out).time == result["t_end"] > 0.0
