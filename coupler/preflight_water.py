@@ -65,7 +65,8 @@ def measure_water(scene: Scene) -> Water:
     if fluid.model in COURANT:
         step = fluid_step(courant, h, sound + start, fluid.viscosity, g)
     else:  # nothing moves in `still`; a wave in `column` must not come back within the step that sends it
-        step = min(scene.end_time, 2.0 * height / sound) if fluid.model == "column" else scene.end_time
+        echo = 2.0 * height / sound if fluid.model == "column" and sound > 0.0 else scene.end_time
+        step = min(scene.end_time, echo)
     return Water(
         model=fluid.model,
         density=fluid.density,

@@ -154,6 +154,11 @@ def test_what_a_prescribed_motion_drives_is_no_water_at_rest(tmp_path):
     assert {finding.rule: finding for finding in findings(loose, scene_numbers(loose))}["h/dx"].verdict == "ok"
 
 
+def test_an_incompressible_column_needs_no_sound_speed():
+    scene = load_scene("piston", ["fluid.column.compressible=false", "fluid.sound_speed=auto"])
+    assert scene_numbers(scene).water.step == scene.end_time
+
+
 def test_a_goal_that_the_water_leaves_out_is_refused(tmp_path):
     with pytest.raises(BadInput, match="elevation of water is nothing that model column knows"):
         scene_of(PADDLE, tmp_path, ["fluid.model=column"])
