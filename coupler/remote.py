@@ -174,13 +174,13 @@ class Remote:
 
 
 def _times(reply: Message) -> tuple[float, float]:
-    """What a reply says of the time that went into it; see wire.py."""
+    """Times [s] that the participant worked after its last reply and for this one; see wire.py."""
     spent = reply.info.pop("spent", (0.0, 0.0))
     try:
-        settled, now = map(float, spent)
+        settled, worked = map(float, spent)
     except (TypeError, ValueError):
         raise BadMessage(f"{reply.verb} from {reply.sender}: spent is {spent!r}; two times [s] are needed") from None
-    return settled, now
+    return settled, worked
 
 
 class Working:
