@@ -6,10 +6,11 @@
 
 from __future__ import annotations
 
-from shared.jit import inline_njit
+from shared.jit import bits, float_of, inline_njit
 
 EPS = 0.01  # of h²: keeps 1/(r² + EPS h²) finite
 COINCIDENT = 1e-12  # of h²: below it two particles are one
+_INVERSE_BITS = 0x7FDE600000000000  # less the bits of x: those of 1/x, to within 5.1 %
 
 
 @inline_njit
@@ -51,13 +52,27 @@ def mean_specific_mass(m_b, vol_b, inv_rho_a):
 
 
 @inline_njit
+def inverse(x):
+    """1/x of a positive x, to within 1.4e-4 of it, without a division: guessed from the bits, with one step of
+    Householder's third order.
+
+    A division is the longest wait of a pair on processors that divide slowly (forces of wcsph: 85 ns a particle with,
+    62 without).
+    """
+    guess = float_of(_INVERSE_BITS - bits(x))
+    e = 1.0 - x * guess
+    return guess + guess * (e * e + e)
+
+
+@inline_njit
 def artificial_viscosity(rx, ry, ux, uy, r2, h):
     """−Π_ab ρ0/(α h c0) = φ of approaching pairs, φ = u_ab·r_ab/(r² + EPS h²), to be multiplied by m_b ∇W.
 
     Monaghan (1992), with the sign that makes Π positive on approach, adding to the pressure, and ρ0 for the mean
-    density of the pair: they differ by the compression (1 %).
+    density of the pair: they differ by the compression (1 %). An `inverse` is enough of a division here: its error
+    depends on r alone, so that the pair's forces stay opposite and equal, and is small beside what α is known to.
     """
-    return min(0.0, ux * rx + uy * ry) / (r2 + EPS * h * h)
+    return min(0.0, ux * rx + uy * ry) * inverse(r2 + EPS * h * h)
 
 
 @inline_njit

@@ -15,7 +15,7 @@ from pathlib import Path
 
 import numba
 from numba.core.cgutils import create_struct_proxy
-from numba.core.types import int64
+from numba.core.types import float64, int64
 from numba.extending import intrinsic
 
 FLAGS = {
@@ -97,3 +97,19 @@ def one_more(typing, counts, k):
         return builder.atomic_rmw("add", place, context.get_constant(int64, 1), "monotonic")
 
     return int64(counts, int64), generate
+
+
+@intrinsic
+def bits(typing, x):
+    """The bits of a float64 as an int64."""
+    return int64(float64), lambda context, builder, signature, arguments: _as(context, builder, int64, arguments[0])
+
+
+@intrinsic
+def float_of(typing, x):
+    """The float64 that has the bits of an int64."""
+    return float64(int64), lambda context, builder, signature, arguments: _as(context, builder, float64, arguments[0])
+
+
+def _as(context, builder, kind, value):
+    return builder.bitcast(value, context.get_value_type(kind))
