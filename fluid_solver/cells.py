@@ -18,7 +18,7 @@ from typing import NamedTuple
 import numba
 import numpy as np
 
-from fluid_solver.fields import FLUID, PARKED, SX, SY, U, V, X, Y
+from fluid_solver.fields import AX, AY, FLUID, PARKED, SX, SY, U, V, X, Y
 from shared.jit import inline_njit, njit, parallel_njit
 
 COLUMNS = 2  # cells per support along a row
@@ -74,11 +74,11 @@ def wrap(S, count, period):
 
 
 @parallel_njit
-def find_cells(S, kind, count, lead, origin, inv_cell, grid, key, parked_key, spans):
+def find_cells(S, kind, count, lead, kick, origin, inv_cell, grid, key, parked_key, spans):
     """Keys of the first `count` particles, `parked_key` of the parked; least and largest of each block in `spans`.
 
-    Fluid belongs to the cell where it will be in `lead` [s]. `origin` (2,) [m]: corner of the first cell within the
-    ring; `inv_cell` (2,) [1/m]: one over the cells' size.
+    Fluid belongs to the cell where it will be in `lead` [s], having been accelerated for `kick` [s]. `origin` (2,)
+    [m]: corner of the first cell within the ring; `inv_cell` (2,) [1/m]: one over the cells' size.
     """
     last_column, last_row = grid.columns - COLUMNS - 1, grid.rows - 2
     for block in numba.prange((count + BLOCK - 1) // BLOCK):
@@ -88,8 +88,8 @@ def find_cells(S, kind, count, lead, origin, inv_cell, grid, key, parked_key, sp
             if kind[i] != PARKED:
                 x, y = S[X, i], S[Y, i]
                 if kind[i] == FLUID:
-                    x += lead * (S[U, i] + S[SX, i])
-                    y += lead * (S[V, i] + S[SY, i])
+                    x += lead * (S[U, i] + kick * S[AX, i] + S[SX, i])
+                    y += lead * (S[V, i] + kick * S[AY, i] + S[SY, i])
                 column = min(int((x - origin[0]) * inv_cell[0]) + COLUMNS, last_column)
                 row = min(int((y - origin[1]) * inv_cell[1]) + 1, last_row)
                 k = 2 * (row * grid.columns + column) + (0 if kind[i] == FLUID else 1)

@@ -6,7 +6,7 @@ the state to compiled code one operation each.
 """
 
 X, Y = 0, 1  # position [m]
-U, V = 2, 3  # momentum velocity u [m/s]
+U, V = 2, 3  # momentum velocity u [m/s]; of ghosts: mirrored from the fluid's, what divergence, ∇u and viscosity see
 SX, SY = 4, 5  # shifting velocity d = ũ − u [m/s]; zero on ghosts
 RHO = 6  # density [kg/m³]
 P = 7  # pressure [Pa]
@@ -15,9 +15,8 @@ VOL = 9  # volume m/ρ [m²]
 PR2 = 10  # p/ρ² [m⁴/(kg s²)]
 AX, AY = 11, 12  # acceleration du/dt + transport terms [m/s²]; of ghosts: the prescribed one
 NX, NY = 13, 14  # outward unit normal of particles at the free surface, else zero
-GX, GY = 15, 16  # velocity that divergence, ∇u and viscosity see: u; of ghosts mirrored from the fluid's
-FRICTION = 17  # weight of artificial viscosity: 1, and 0 on free-slip walls
-ROWS = 18
+FRICTION = 15  # weight of artificial viscosity: 1, and 0 on free-slip walls
+ROWS = 16
 OF_SHIFTING = (SX, SY, NX, NY)  # zero, and left alone, where nothing shifts
 
 FLUID = 0

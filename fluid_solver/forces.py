@@ -16,7 +16,7 @@ import numba
 import numpy as np
 
 from fluid_solver.cells import COLUMNS
-from fluid_solver.fields import AX, AY, FRICTION, GX, GY, NEW_NX, NEW_NY, NX, NY, PR2, SX, SY, VOL, M, X, Y
+from fluid_solver.fields import AX, AY, FRICTION, NEW_NX, NEW_NY, NX, NY, PR2, SX, SY, VOL, M, U, V, X, Y
 from fluid_solver.gather import gather, next_stretch, run_of
 from fluid_solver.shifting import shift_velocity
 from fluid_solver.surface import surface_normal
@@ -31,7 +31,7 @@ from shared.jit import inline_njit, parallel_njit
 from shared.kernels import f_shape, w_shape
 
 NEGLIGIBLE = 0.1  # of c0: relative speeds below it need no looking at every pair
-_ROWS = (X, Y, GX, GY, M, VOL, PR2, FRICTION)
+_ROWS = (X, Y, U, V, M, VOL, PR2, FRICTION)
 _ROWS_SHIFTING = (*_ROWS, NX, NY)
 
 
@@ -82,7 +82,7 @@ def make_forces(kernel: int, viscous: bool, shifting: bool):
                         relative = max(relative, relative_speed(S, mine, end, b, lo, hi, c.support * c.support))
                     surface = shifting and any_surface(b, lo, hi)
                     for a in range(mine, end):
-                        xa, ya, ua, va = S[X, a], S[Y, a], S[GX, a], S[GY, a]
+                        xa, ya, ua, va = S[X, a], S[Y, a], S[U, a], S[V, a]
                         pr2_a, inv_rho_a = S[PR2, a], S[VOL, a] / S[M, a]
                         ax = ay = cx = cy = div_r = 0.0
                         dx, dy = (S[SX, a], S[SY, a]) if shifting else (0.0, 0.0)
@@ -141,7 +141,7 @@ def relative_speed(S, mine, end, b, lo, hi, support2):
     for a in range(mine, end):
         for k in range(lo, hi):
             rx, ry = S[X, a] - b[0, k], S[Y, a] - b[1, k]
-            ux, uy = S[GX, a] - b[2, k], S[GY, a] - b[3, k]
+            ux, uy = S[U, a] - b[2, k], S[V, a] - b[3, k]
             largest = max(largest, ux * ux + uy * uy if rx * rx + ry * ry < support2 else 0.0)
     return largest
 

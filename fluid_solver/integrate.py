@@ -11,8 +11,6 @@ from fluid_solver.fields import (
     AY,
     DP,
     FLUID,
-    GX,
-    GY,
     NEW_NX,
     NEW_NY,
     NX,
@@ -33,7 +31,7 @@ from shared.jit import parallel_njit
 
 
 @parallel_njit
-def kick_and_drift(S, kind, count, dt, speeds):
+def kick_and_drift(S, kind, count, dt, shifting, speeds):
     """u += a dt/2, then x += (u + δu) dt/2. Per block the largest |u|² and |u + δu|² [m²/s²] into `speeds`."""
     for block in numba.prange((count + BLOCK - 1) // BLOCK):
         u2 = w2 = 0.0
@@ -41,12 +39,10 @@ def kick_and_drift(S, kind, count, dt, speeds):
             if kind[i] == FLUID:
                 u = S[U, i] + 0.5 * dt * S[AX, i]
                 v = S[V, i] + 0.5 * dt * S[AY, i]
-                tu = u + S[SX, i]
-                tv = v + S[SY, i]
+                tu = u + S[SX, i] if shifting else u
+                tv = v + S[SY, i] if shifting else v
                 S[U, i] = u
                 S[V, i] = v
-                S[GX, i] = u
-                S[GY, i] = v
                 S[X, i] += 0.5 * dt * tu
                 S[Y, i] += 0.5 * dt * tv
                 u2 = max(u2, u * u + v * v)
@@ -56,7 +52,7 @@ def kick_and_drift(S, kind, count, dt, speeds):
 
 
 @parallel_njit
-def advance_and_drift(S, kind, count, dt, c, R, clipped):
+def advance_and_drift(S, kind, count, dt, shifting, c, R, clipped):
     """p a full step on, not below c.weakest, and with it ρ = ρ0 + p/c²; then x += (u + δu) dt/2.
 
     `clipped` (blocks,) [N s/m] grows by Σ V Δp/c0 of the tension Δp taken off: the impulse of the sound it would send.
@@ -73,8 +69,8 @@ def advance_and_drift(S, kind, count, dt, c, R, clipped):
                 S[P, i] = p
                 S[VOL, i] = S[M, i] / rho
                 S[PR2, i] = p / (rho * rho)
-                S[X, i] += 0.5 * dt * (S[U, i] + S[SX, i])
-                S[Y, i] += 0.5 * dt * (S[V, i] + S[SY, i])
+                S[X, i] += 0.5 * dt * (S[U, i] + S[SX, i] if shifting else S[U, i])
+                S[Y, i] += 0.5 * dt * (S[V, i] + S[SY, i] if shifting else S[V, i])
         clipped[block] += taken / c.c0
 
 
@@ -105,29 +101,32 @@ def keep_volume(S, kind, count, volume, c, sums):
 
 
 @parallel_njit
-def kick(S, kind, count, dt, shifting, R):
-    """u += a dt/2, and the surface normals of the sweep before take effect."""
+def kick(S, kind, count, dt, shifting, R, speeds):
+    """u += a dt/2, and the surface normals of the sweep before take effect.
+
+    Per block into `speeds` the largest |a|² [m²/s⁴], and |u + δu|² [m²/s²] after another kick like this one.
+    """
     for block in numba.prange((count + BLOCK - 1) // BLOCK):
+        a2 = w2 = 0.0
         for i in range(block * BLOCK, min(block * BLOCK + BLOCK, count)):
             if kind[i] == FLUID:
-                S[U, i] += 0.5 * dt * S[AX, i]
-                S[V, i] += 0.5 * dt * S[AY, i]
+                ax, ay = S[AX, i], S[AY, i]
+                u = S[U, i] + 0.5 * dt * ax
+                v = S[V, i] + 0.5 * dt * ay
+                S[U, i] = u
+                S[V, i] = v
+                tu = u + 0.5 * dt * ax
+                tv = v + 0.5 * dt * ay
+                if shifting:
+                    tu += S[SX, i]
+                    tv += S[SY, i]
+                a2 = max(a2, ax * ax + ay * ay)
+                w2 = max(w2, tu * tu + tv * tv)
                 if shifting:
                     S[NX, i] = R[NEW_NX, i]
                     S[NY, i] = R[NEW_NY, i]
-
-
-@parallel_njit
-def largest(S, kind, count, speeds):
-    """Per block the largest |u|² [m²/s²] and |a|² [m²/s⁴] of the fluid, into `speeds`."""
-    for block in numba.prange((count + BLOCK - 1) // BLOCK):
-        u2 = a2 = 0.0
-        for i in range(block * BLOCK, min(block * BLOCK + BLOCK, count)):
-            if kind[i] == FLUID:
-                u2 = max(u2, S[U, i] * S[U, i] + S[V, i] * S[V, i])
-                a2 = max(a2, S[AX, i] * S[AX, i] + S[AY, i] * S[AY, i])
-        speeds[0, block] = u2
-        speeds[1, block] = a2
+        speeds[0, block] = a2
+        speeds[1, block] = w2
 
 
 def largest_of(speeds, count):

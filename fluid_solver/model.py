@@ -17,8 +17,6 @@ from fluid_solver.fields import (
     FLUID,
     FREE_SLIP,
     FRICTION,
-    GX,
-    GY,
     OF_SHIFTING,
     PARKED,
     PR2,
@@ -34,7 +32,7 @@ from fluid_solver.fields import (
 )
 from fluid_solver.forces import make_forces
 from fluid_solver.initial import fluid_particles, lay_ghosts, sound_speed
-from fluid_solver.integrate import advance_and_drift, keep_volume, kick, kick_and_drift, largest, largest_of
+from fluid_solver.integrate import advance_and_drift, keep_volume, kick, kick_and_drift, largest_of
 from fluid_solver.motion import GhostMotion, place_ghosts
 from fluid_solver.observe import Observer
 from fluid_solver.parameters import Parameters, courant_of, parameters
@@ -84,14 +82,17 @@ class ParticleFluid:
             self._threads,
             () if self._transported else OF_SHIFTING,
         )
-        self.store.fastest[...] = 4.0 * np.max(np.sum(water.velocity**2, axis=1), initial=0.0)  # streams that meet
+        u2 = np.max(np.sum(water.velocity**2, axis=1), initial=0.0)
+        self.store.fastest[...] = 4.0 * u2  # streams that meet
         self._motion = GhostMotion(scene, self.ghosts)
         self.force = np.zeros((len(self.ghosts.position), 2))  # N/m on every ghost, at the last step's end
         self._mean_force = np.zeros_like(self.force)  # the same, mean over the last window
         self._volume = 0.0  # m² that the walls leave the fluid; 0 where it has a free surface
-        self._speed = 0.0  # largest |u| at the last half step
+        self._speed = math.sqrt(u2)  # m/s, largest |u| at the last half step
+        self._acceleration = 0.0  # m/s², largest |a|
         self._steps = 0
         self._unsettled = 0.0  # s, the step whose end `reach` has left
+        self._ghost_speed = 0.0  # m/s, of the fastest in the last step
         self._lost = 0  # particles out of the domain that have been reported
         self._observer = Observer(scene, kernel, self.c, self.ghosts, self._first, water.body)
 
@@ -125,8 +126,6 @@ class ParticleFluid:
         self._place(0.0, 0.0, 1.0, motion, always=True)
         store = self.store
         store.sort()
-        largest(store.S, store.kind, store.count, store.speeds)
-        self._speed, _ = largest_of(store.speeds, store.count)
         self._ghost_velocity(store.S, store.kind, store.ids, *store.cells(), self.c, self._first, self._motion.pose)
         self._load_ghosts()
         self._volume = self._enclosed_volume()
@@ -147,11 +146,8 @@ class ParticleFluid:
 
     def stable_step(self) -> float:
         """Least of the acoustic, viscous and force limits [s]."""
-        store, c = self.store, self.c
-        numba.set_num_threads(self._threads)
-        largest(store.S, store.kind, store.count, store.speeds)
-        _, a = largest_of(store.speeds, store.count)
-        return fluid_step(self._courant, c.h, c.c0 + 0.5 * math.sqrt(store.fastest.max()), c.nu, a)
+        signal = self.c.c0 + 0.5 * math.sqrt(self.store.fastest.max())
+        return fluid_step(self._courant, self.c.h, signal, self.c.nu, self._acceleration)
 
     def advance(self, t0: float, t1: float, substeps: int, boundary: Kinematics | None) -> Loads:
         """Integrate from t0 to t1 [s] in equal steps; the ghosts of structures follow `boundary`."""
@@ -187,23 +183,22 @@ class ParticleFluid:
         the fluid's acceleration and second kick."""
         store, c = self.store, self.c
         # 1, 2  u_half = u + a dt/2;  x += (u_half + δu) dt/2;  walls and ghosts to the middle of the step
-        kick_and_drift(store.S, store.kind, store.count, dt, store.speeds)
+        kick_and_drift(store.S, store.kind, store.count, dt, self._transported, store.speeds)
         self._speed, drift = largest_of(store.speeds, store.count)
         self._place(t0, since + 0.5 * dt, length, boundary)
-        # 3  cells, once particles have moved too far for the present ones
-        ghosts = self._motion.speed(boundary)
-        reach = 0.5 * dt * max(drift, ghosts)
-        store.moved += reach
-        store.sort_if_moved(0.5 * dt, drift, ghosts)
+        # 3  cells, if particles will have moved too far for the present ones
+        ghosts = self._ghost_speed = self._motion.speed(boundary)
+        store.move(0.5 * dt, drift, ghosts)
+        store.sort_midway(dt, drift, ghosts)
         # 4, 5  ghosts' velocities and rates at the middle; p and ρ a full step on
         # 6     x += (u_half + δu) dt/2; walls and ghosts to the end
         self._ghost_velocity(store.S, store.kind, store.ids, *store.cells(), c, self._first, self._motion.pose)
         self._rates(store.S, *store.cells(), c, store.work)
-        advance_and_drift(store.S, store.kind, store.count, dt, c, store.work, store.clipped)
+        advance_and_drift(store.S, store.kind, store.count, dt, self._transported, c, store.work, store.clipped)
         if self._volume > 0.0:
             keep_volume(store.S, store.kind, store.count, self._volume, c, store.speeds)
         self._place(t0, since + dt, length, boundary)
-        store.moved += reach
+        store.move(0.5 * dt, drift, ghosts)
         # 7  pressures of ghosts, eq. 14, and the forces on them
         self._load_ghosts()
 
@@ -216,8 +211,10 @@ class ParticleFluid:
         s = self.store
         # 8  accelerations, shifting and surface at the new positions
         self._forces(s.S, *s.cells(), self.c, self._speed, s.work, s.fastest)
-        # 9  u = u_half + a dt/2
-        kick(s.S, s.kind, s.count, dt, self._transported, s.work)
+        # 9  u = u_half + a dt/2;  cells for the next step, if it is like this one
+        kick(s.S, s.kind, s.count, dt, self._transported, s.work, s.speeds)
+        self._acceleration, drift = largest_of(s.speeds, s.count)
+        s.sort_ahead(dt, drift, self._ghost_speed)
 
     def compile_sweeps(self) -> None:
         """Compile the sweeps over pairs, by one over the cells that there are before the first sort: none."""
@@ -250,7 +247,7 @@ class ParticleFluid:
             "x0": self._motion.x0,
             "v0": self._motion.v0,
             "pose": self._motion.pose,
-            "speed": np.array([self._speed]),
+            "largest": np.array([self._speed, self._acceleration]),
             "volume": np.array([self._volume]),
         }
 
@@ -260,7 +257,8 @@ class ParticleFluid:
         moved = {"x0": self._motion.x0, "v0": self._motion.v0, "pose": self._motion.pose}
         for name, array in ({"force": self.force} | moved).items():
             array[...] = state[name]
-        self._speed, self._volume = float(state["speed"][0]), float(state["volume"][0])
+        self._speed, self._acceleration = (float(k) for k in state["largest"])
+        self._volume = float(state["volume"][0])
 
     def check(self) -> None:
         """Raise SolverFailed if the state is not finite or the density far off."""
@@ -299,7 +297,7 @@ def _initial_state(water, ghosts) -> tuple[np.ndarray, np.ndarray]:
     S = np.zeros((ROWS, n + len(ghosts.position)))
     kind = np.concatenate([np.full(n, FLUID, dtype=np.int8), ghosts.kind])
     S[[X, Y]] = np.concatenate([water.position, ghosts.position]).T
-    S[[U, V], :n] = S[[GX, GY], :n] = water.velocity.T
+    S[[U, V], :n] = water.velocity.T
     S[P, :n], S[RHO, :n], S[M, :n] = water.pressure, water.density, water.mass
     S[VOL, :n] = water.mass / water.density
     S[PR2, :n] = water.pressure / water.density**2

@@ -11,7 +11,7 @@ import numba
 import numpy as np
 
 from fluid_solver.cells import BLOCK
-from fluid_solver.fields import AX, AY, FLUID, PARKED, U, V, X, Y
+from fluid_solver.fields import AX, AY, FLUID, PARKED, X, Y
 from fluid_solver.initial import Ghosts
 from shared.contract import Kinematics
 from shared.ghost_inertia import ghosts_feel_acceleration
@@ -119,7 +119,7 @@ def structure_pose(s, length, x0, v0, x1, v1, acceleration, pose):
 
 @parallel_njit
 def place_ghosts(S, kind, ids, count, grid, first, pose):
-    """Set position, velocity and acceleration of all ghosts from `pose` (ghosts, 8), by id less `first`.
+    """Set position and acceleration of all ghosts from `pose` (ghosts, 8), by id less `first`.
 
     In a periodic direction a ghost keeps to the image that its cell holds.
     """
@@ -129,8 +129,6 @@ def place_ghosts(S, kind, ids, count, grid, first, pose):
                 at = ids[i] - first
                 S[X, i] = nearest_image(pose[at, 0], S[X, i], grid.period_x)
                 S[Y, i] = nearest_image(pose[at, 1], S[Y, i], grid.period_y)
-                S[U, i] = pose[at, 2]
-                S[V, i] = pose[at, 3]
                 S[AX, i] = pose[at, 4]
                 S[AY, i] = pose[at, 5]
 

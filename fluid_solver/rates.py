@@ -18,7 +18,7 @@ from functools import cache
 
 import numba
 
-from fluid_solver.fields import DP, GX, GY, RHO, SX, SY, VOL, P, U, V, X, Y
+from fluid_solver.fields import DP, RHO, SX, SY, VOL, P, U, V, X, Y
 from fluid_solver.gather import gather, next_stretch, run_of
 from fluid_solver.surface import ISOLATED
 from fluid_solver.terms import pressure_diffusion, transport, velocity_divergence
@@ -26,7 +26,7 @@ from shared.jit import parallel_njit
 from shared.kernels import f_shape
 
 FORGETTING = 0.2  # rate in c0/h: fast beside the flight of a drop, slow beside a step
-_ROWS = (X, Y, GX, GY, VOL)
+_ROWS = (X, Y, U, V, VOL)
 _ROWS_TRANSPORT = (*_ROWS, SX, SY, P)
 
 

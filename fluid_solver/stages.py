@@ -2,14 +2,18 @@
 
 A particle of a cell visits all candidates of the three rows and five columns around it: two fifths of them lie within
 the support; the others are the price of loops without branches, in whole vectors. Each visit takes one square root in
-either sweep and a division in that of forces, which pass one by one through a unit that does nothing else: they are
-half of what a sweep takes, and additions and products, of which the peak is made, fill a third of their slots.
+either sweep. Roots pass one by one through a unit that does nothing else, eight of them in 16 to 20 cycles: they are
+four fifths of the sweep of rates and half of that of forces, while additions and products, of which the peak is made,
+fill a third of their slots.
 
-Tried without gain on a machine of 57 GFLOP/s multiply-add and 22 GB/s copy per core: three or four columns per support
+Tried without gain on two machines, of 57 and of 65 GFLOP/s multiply-add per core: three or four columns per support
 (fewer candidates in shorter runs); rows half as high and columns half as wide (41 candidates in place of 54, but the
 copying takes 40 ns a particle in place of 10, for the cells are so many); sorting keys on two threads, gathering field
-by field, 512-bit registers; roots by way of float32, whose conversions take as long as they save, with Newton's steps
-or without. Not tried, for order in time would be lost: rates and forces in one sweep.
+by field, 512-bit registers; roots by way of float32, whose conversions take as long as they save, or guessed from the
+bits with Newton's, Householder's or Goldschmidt's steps: a root alone takes a third of the time, but the sweep does
+not, for its chain of products is too long for the scheduler to overlap. What a division was, in artificial viscosity,
+is such a guess (terms.inverse): there the chain is short. Not tried, for order in time would be lost: rates and forces
+in one sweep.
 """
 
 from __future__ import annotations
@@ -21,7 +25,7 @@ import numpy as np
 from fluid_solver.cells import COLUMNS
 
 OPERATIONS = {"wcsph": {"rates": 21, "forces": 30}, "ctvf": {"rates": 35, "forces": 55}}
-"""Floating-point operations per candidate, root and division counted as one, by hand from terms.py and kernels.py."""
+"""Floating-point operations per candidate, a root counted as one, by hand from terms.py and kernels.py."""
 _STAGES = {
     "_ghost_velocity": "ghosts' velocities",
     "_rates": "rates",

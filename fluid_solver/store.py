@@ -27,6 +27,8 @@ from shared.contract import SolverFailed
 BUFFER_ROWS = 12  # the widest sweep's rows
 _SKIN = 0.04  # of the support: cells may stay as they are while particles move half of it
 _CROWDED = 1.25  # room in a buffer over the candidates met
+_FASTER = 1.1  # speed that a ghost may reach within a step, over what it has
+_ALIKE = 1e-6  # two steps whose lengths differ by less are of one length: they come from a clock's two times
 
 
 class Store:
@@ -34,8 +36,7 @@ class Store:
 
     `start`, `grid`: the cells (see cells.py); `shares`: first segment of each thread's share; `buffers`: candidates of
     a segment, one per thread; `work`: results of a sweep; `speeds`: per-block maxima; `fastest`: largest relative speed
-    that each thread met, squared [m²/s²]; `clipped`: per-block impulse of the tension taken off [N s/m]. `moved` [m]: a
-    bound of how far a particle is from where it was sorted to.
+    that each thread met, squared [m²/s²]; `clipped`: per-block impulse of the tension taken off [N s/m].
     """
 
     def __init__(
@@ -67,18 +68,43 @@ class Store:
         self._taken = np.zeros(threads, dtype=np.int64)  # segments under way, of each share
         self.start, self.count, self.parked = self._cells, n, 0
         self.grid = Grid(0, 0, *(float(length) for length in period[:, 1] - period[:, 0]))
-        self.moved = self._skin = 0.0
+        self._moved = np.zeros(2)  # m; how far fluid, and ghosts, are at most from where they were sorted to
+        self._skin = 0.0  # m; twice what they may be
+        self._laid_for = 0.0  # s; length of the step that the cells were laid for before it began
 
-    def sort_if_moved(self, ahead: float, fluid: float, ghosts: float) -> None:
-        """Sort unless the cells hold for a time `ahead` [s] more, in which nothing is faster than this [m/s]."""
-        if self.grid.columns == 0 or 2.0 * (self.moved + ahead * max(fluid, ghosts)) > self._skin:
-            self.sort(ahead, fluid, ghosts)
+    def move(self, dt: float, fluid: float, ghosts: float) -> None:
+        """Count `dt` [s] of motion, in which no fluid and no ghosts were faster than this [m/s]."""
+        self._moved += dt * np.array([fluid, ghosts])
 
-    def sort(self, ahead: float = 0.0, fluid: float = 0.0, ghosts: float = 0.0) -> None:
-        """Sort all particles by cell; takes those out of the domain out of all loops.
+    def sort_ahead(self, dt: float, fluid: float, ghosts: float) -> None:
+        """Before a step of `dt` [s], sort unless the cells hold to its end. Ghosts may get a little faster.
 
-        Fluid is sorted to where it will be in the middle of the time `ahead` [s], from which it is half as far off now
-        and at that time's end as from where it is now: fast drops make all cells wider, and what visits them slower.
+        Where there is a period, fluid is not sorted to where it will be, so that it is left to the middle of the step.
+        """
+        if not self._period.any() and self._outlived(dt, fluid, ghosts):
+            self.sort(0.5 * dt, dt, fluid, _FASTER * ghosts, 0.5 * dt)
+            self._laid_for = dt
+
+    def sort_midway(self, dt: float, fluid: float, ghosts: float) -> None:
+        """In the middle of a step of `dt` [s], sort unless the cells hold to its end."""
+        foreseen = self._laid_for == 0.0 or abs(dt - self._laid_for) < _ALIKE * dt
+        self._laid_for = 0.0
+        if not foreseen or self.grid.columns == 0 or self._outlived(0.5 * dt, fluid, ghosts):
+            self.sort(0.0, 0.5 * dt, fluid, ghosts)
+
+    def _outlived(self, ahead: float, fluid: float, ghosts: float) -> bool:
+        """Whether the cells do not hold for a time `ahead` [s] more."""
+        return bool(2.0 * np.max(self._moved + ahead * np.array([fluid, ghosts])) > self._skin)
+
+    def sort(
+        self, first: float = 0.0, last: float = 0.0, fluid: float = 0.0, ghosts: float = 0.0, kick: float = 0.0
+    ) -> None:
+        """Sort all particles by cell, for sweeps from `first` to `last` [s] from now; takes those out of the domain out
+        of all loops.
+
+        Until then no fluid is faster than `fluid`, no ghost than `ghosts` [m/s], and fluid moves with the velocity that
+        it has after a `kick` [s] of its acceleration. Fluid is sorted to where it will be in the middle of that time,
+        from which it is half as far off at either end: fast drops make all cells wider, and what visits them slower.
         """
         S, kind, count = self.S, self.kind, self.count
         wrap(S, count, self._period)
@@ -86,19 +112,19 @@ class Store:
         found = self._found[:, : (count + BLOCK - 1) // BLOCK]
         self.parked += int(found[4].sum())
         x0, y0, x1, y1 = found[:4].min(axis=1) * (1.0, 1.0, -1.0, -1.0)
-        lead = 0.5 * ahead if not self._period.any() else 0.0  # else from one end of the period to the other
-        off = max((ahead - lead) * fluid, ahead * ghosts)
-        self._skin = max(_SKIN * self._support, 2.0 * off)
+        lead = 0.5 * (first + last) if not self._period.any() else 0.0  # else from one end of the period to the other
+        off = max((last - lead) * fluid, last * ghosts)
+        self._skin = max(_SKIN * self._support, 2.0 * (1.0 + _ALIKE) * off)
         margin = lead * fluid
         origin, inv_cell = self._lay_cells(np.array([[x0 - margin, x1 + margin], [y0 - margin, y1 + margin]]))
-        find_cells(S, kind, count, lead, origin, inv_cell, self.grid, self._key, len(self.start) - 2, self._spans)
+        find_cells(S, kind, count, lead, kick, origin, inv_cell, self.grid, self._key, len(self.start) - 2, self._spans)
         count_cells(self._key, count, self._spans, self.start, self._rank, self._order)
         S2, kind2, ids2 = self._spare
         permute(S, self._carried, kind, self.ids, self._order, count, S2, kind2, ids2)
         self._spare = S, kind, self.ids
         self.S, self.kind, self.ids = S2, kind2, ids2
         self.count = int(self.start[-2])
-        self.moved = off - ahead * max(fluid, ghosts)
+        self._moved = np.array([-lead * fluid, 0.0])
         self._share()
 
     def _lay_cells(self, box: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
@@ -162,7 +188,7 @@ class Store:
             "ids": self.ids,
             "start": self.start,
             "cells": np.array([self.grid.columns, self.grid.rows, self.count, self.parked]),
-            "skin": np.array([self.moved, self._skin]),
+            "skin": np.array([*self._moved, self._skin, self._laid_for]),
             "clipped": self.clipped,
             "fastest": self.fastest.max(keepdims=True),
         }
@@ -174,7 +200,8 @@ class Store:
         self.start = self._cells
         columns, rows, self.count, self.parked = (int(k) for k in state["cells"])
         self.grid = self.grid._replace(columns=columns, rows=rows)
-        self.moved, self._skin = (float(k) for k in state["skin"])
+        *moved, self._skin, self._laid_for = (float(k) for k in state["skin"])
+        self._moved = np.array(moved)
         self.clipped[...], self.fastest[...] = state["clipped"], state["fastest"]
         self._share()
 

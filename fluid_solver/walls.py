@@ -29,8 +29,6 @@ from fluid_solver.fields import (
     AX,
     AY,
     FRICTION,
-    GX,
-    GY,
     NO_SLIP,
     PR2,
     RHO,
@@ -61,7 +59,7 @@ def make_ghost_velocity(kernel: int, viscous: bool):
 
     @parallel_njit
     def ghost_velocity(S, kind, ids, start, grid, shares, taken, buffers, columns, c, first_id, pose):
-        """Sets S[GX], S[GY] of the ghosts. A ghost's normal is in `pose` at its id less `first_id`."""
+        """Sets S[U], S[V] of the ghosts. A ghost's own velocity and normal are in `pose` at its id less `first_id`."""
         for worker in numba.prange(taken.size):
             b = buffers[worker]
             row, first, last = next_stretch(start, grid, 1, shares, taken, worker)
@@ -81,7 +79,7 @@ def make_ghost_velocity(kernel: int, viscous: bool):
                             u_sum += b[2, k] * w
                             v_sum += b[3, k] * w
                         sticky = kind[a] == NO_SLIP or (viscous and kind[a] == STRUCTURE)
-                        S[GX, a], S[GY, a] = mirrored(S, a, total, u_sum, v_sum, sticky, pose[ids[a] - first_id])
+                        S[U, a], S[V, a] = mirrored(S, a, total, u_sum, v_sum, sticky, pose[ids[a] - first_id])
                 row, first, last = next_stretch(start, grid, 1, shares, taken, worker)
 
     return ghost_velocity
@@ -90,14 +88,14 @@ def make_ghost_velocity(kernel: int, viscous: bool):
 @inline_njit
 def mirrored(S, a, total, u_sum, v_sum, sticky, pose):
     """Velocity of ghost `a` from the kernel sums of the fluid's."""
-    nx, ny = pose[6], pose[7]
+    own_u, own_v, nx, ny = pose[2], pose[3], pose[6], pose[7]
     slips_on_structure = nx == 0.0 and ny == 0.0 and not sticky
     if total * S[VOL, a] < _LEAST_WEIGHT or slips_on_structure:
-        return S[U, a], S[V, a]
+        return own_u, own_v
     u, v = u_sum / total, v_sum / total
     if sticky:
-        return 2.0 * S[U, a] - u, 2.0 * S[V, a] - v
-    twice = 2.0 * ((u - S[U, a]) * nx + (v - S[V, a]) * ny)
+        return 2.0 * own_u - u, 2.0 * own_v - v
+    twice = 2.0 * ((u - own_u) * nx + (v - own_v) * ny)
     return u - twice * nx, v - twice * ny
 
 
@@ -123,7 +121,7 @@ def make_ghosts(kernel: int, viscous: bool):
                     for a in range(start[2 * cell + 1], start[2 * cell + 2]):
                         extrapolate(S, kernel, a, lo, hi, b, c)
                         fx = fy = 0.0
-                        xa, ya, ua, va = S[X, a], S[Y, a], S[GX, a], S[GY, a]
+                        xa, ya, ua, va = S[X, a], S[Y, a], S[U, a], S[V, a]
                         pr2_a, inv_rho_a, friction = S[PR2, a], S[VOL, a] / S[M, a], S[FRICTION, a]
                         for k in range(lo, hi):
                             rx = xa - b[0, k]

@@ -6,7 +6,7 @@ Kernel sums on a disordered lattice are good to a few per cent; a wrong sign is 
 import numpy as np
 import pytest
 
-from fluid_solver.fields import AX, AY, DP, FLUID, FRICTION, GX, GY, PR2, RHO, ROWS, SX, SY, VOL, M, P, U, V, X, Y
+from fluid_solver.fields import AX, AY, DP, FLUID, FRICTION, PR2, RHO, ROWS, SX, SY, VOL, M, P, U, V, X, Y
 from fluid_solver.forces import make_forces
 from fluid_solver.parameters import Parameters, pairing_of, slope_of
 from fluid_solver.rates import make_rates
@@ -41,7 +41,6 @@ def patch(jitter=0.05, u=None, d=None, p=None) -> Store:
     for rows, field in (((U, V), u), ((SX, SY), d)):
         if field is not None:
             S[rows[0]], S[rows[1]] = field(x, y)
-    S[GX], S[GY] = S[U], S[V]
     if p is not None:
         S[P] = p(x, y)
         S[PR2] = S[P] / RHO0**2
