@@ -24,7 +24,7 @@ import numpy as np
 
 from fluid_solver.cells import COLUMNS
 
-OPERATIONS = {"wcsph": {"rates": 21, "forces": 30}, "ctvf": {"rates": 35, "forces": 55}}
+OPERATIONS = {"wcsph": {"rates": 21, "forces": 36}, "ctvf": {"rates": 35, "forces": 61}}
 """Floating-point operations per candidate, a root counted as one, by hand from terms.py and kernels.py."""
 _STAGES = {
     "_ghost_velocity": "ghosts' velocities",
