@@ -68,7 +68,8 @@ class Store:
         self._taken = np.zeros(threads, dtype=np.int64)  # segments under way, of each share
         self.start, self.count, self.parked = self._cells, n, 0
         self.grid = Grid(0, 0, *(float(length) for length in period[:, 1] - period[:, 0]))
-        self._moved = np.zeros(2)  # m; how far fluid, and ghosts, are at most from where they were sorted to
+        # m; how far fluid, and ghosts, are at most from where they were sorted to; below zero on the way there
+        self._moved = np.zeros(2)
         self._skin = 0.0  # m; twice what they may be
         self._laid_for = 0.0  # s; length of the step that the cells were laid for before it began
 

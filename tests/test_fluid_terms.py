@@ -11,6 +11,8 @@ from fluid_solver.forces import make_forces
 from fluid_solver.parameters import Parameters, pairing_of, slope_of
 from fluid_solver.rates import make_rates
 from fluid_solver.store import Store
+from fluid_solver.terms import inverse
+from shared.jit import njit
 from shared.kernels import kernel_named
 
 DX, C0, RHO0, NU = 0.1, 20.0, 1000.0, 0.3
@@ -139,6 +141,21 @@ def test_laminar_viscosity_turns_strain_into_heat_and_leaves_rotation_alone():
     assert 4.0 * NU * RHO0 * inner < lost < 4.0 * NU * RHO0 * (N * DX) ** 2
     store = patch(jitter=0.02, u=lambda x, y: (-y, x))
     assert np.abs(acceleration(store, numbers(nu=NU), viscous=True)).max() < 1e-9
+
+
+@njit
+def inverses(x):
+    found = np.empty_like(x)
+    for k in range(x.size):
+        found[k] = inverse(x[k])
+    return found
+
+
+def test_the_inverse_is_one_at_any_scale():
+    """From h² of a micrometre to that of a dummy's distance squared."""
+    x = np.geomspace(1e-18, 1e26, 100_003)
+    off = x * inverses(x) - 1.0
+    assert np.abs(off).max() < 1.4e-4
 
 
 def test_artificial_viscosity_pushes_apart_on_approach_only():
