@@ -187,38 +187,52 @@ def neighbour(grid, column, row):
     return row * grid.columns + column, x, y
 
 
-@inline_njit
 def segments_per_row(grid):
     """Number of segments in a row."""
     return (grid.columns - 2 * COLUMNS + SEGMENT - 1) // SEGMENT
 
 
+_segments_per_row = inline_njit(segments_per_row)
+
+
 @inline_njit
 def segment_columns(grid, segment):
     """Row of a segment, its first column and the one after its last."""
-    first = COLUMNS + segment % segments_per_row(grid) * SEGMENT
-    return segment // segments_per_row(grid) + 1, first, min(first + SEGMENT, grid.columns - COLUMNS)
+    first = COLUMNS + segment % _segments_per_row(grid) * SEGMENT
+    return segment // _segments_per_row(grid) + 1, first, min(first + SEGMENT, grid.columns - COLUMNS)
 
 
 @njit
-def share_cells(start, grid, shares):
-    """Cut the segments into shares of like work, in place in `shares`; returns the most candidates of any segment."""
-    segments = (grid.rows - 2) * segments_per_row(grid)
-    workers = shares.size - 1
-    total = start[start.size - 2]
-    shares[0] = 0
-    share = 1
+def list_segments(start, grid, segments, shares):
+    """List the segments with fluid in segments[0] and those with ghosts in segments[1], in order, and cut either list
+    into shares of as many segments each: share k holds [shares[kind, k], shares[kind, k + 1]). Returns the most
+    candidates of any segment.
+
+    Most of a tank may be empty: sweeps are spared looking, and counting, there.
+    """
     most = 0
-    for segment in range(segments):
-        row, first, last = segment_columns(grid, segment)
-        while share < workers and start[2 * (row * grid.columns + first)] * workers >= total * share:
-            shares[share] = segment
-            share += 1
-        if start[2 * (row * grid.columns + first)] == start[2 * (row * grid.columns + last)]:
+    listed = np.zeros(2, dtype=np.int64)
+    per_row = _segments_per_row(grid)
+    for row in range(1, grid.rows - 1):
+        if start[2 * row * grid.columns] == start[2 * (row + 1) * grid.columns]:
             continue
-        most = max(most, candidates(start, grid, row, first, last))
-    for k in range(share, workers + 1):
-        shares[k] = segments
+        for segment in range((row - 1) * per_row, row * per_row):
+            _, first, last = segment_columns(grid, segment)
+            lo, hi = 2 * (row * grid.columns + first), 2 * (row * grid.columns + last)
+            if start[lo] == start[hi]:
+                continue
+            most = max(most, candidates(start, grid, row, first, last))
+            fluid = 0
+            for k in range(lo, hi, 2):
+                fluid += start[k + 1] - start[k]
+            for kind, count in enumerate((fluid, start[hi] - start[lo] - fluid)):
+                if count > 0:
+                    segments[kind, listed[kind]] = segment
+                    listed[kind] += 1
+    workers = shares.shape[1] - 1
+    for kind in range(2):
+        for k in range(workers + 1):
+            shares[kind, k] = listed[kind] * k // workers
     return most
 
 

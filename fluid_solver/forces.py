@@ -56,7 +56,7 @@ def make_forces(kernel: int, viscous: bool, shifting: bool):
     rows = _ROWS_SHIFTING if shifting else _ROWS
 
     @parallel_njit
-    def forces(S, start, grid, shares, taken, buffers, columns, c, u_max, R, fastest):
+    def forces(S, start, grid, segments, shares, taken, buffers, columns, c, u_max, R, fastest):
         """Writes S[AX], S[AY] of the fluid; if shifting also S[SX], S[SY] and the new normals in R.
 
         Leaves per thread in `fastest` the largest relative speed, squared [m²/s²], between a fluid particle and another
@@ -67,7 +67,7 @@ def make_forces(kernel: int, viscous: bool, shifting: bool):
         for worker in numba.prange(taken.size):
             b = buffers[worker]
             relative = 0.0
-            row, first, last = next_stretch(start, grid, 0, shares, taken, worker)
+            row, first, last = next_stretch(start, grid, 0, segments, shares, taken, worker)
             while first < last:
                 gather(S, rows, 2, start, grid, row, first, last, b, columns[worker])
                 bound = velocity_range(b, columns[worker][0], columns[worker][last - first + 2 * COLUMNS])
@@ -116,7 +116,7 @@ def make_forces(kernel: int, viscous: bool, shifting: bool):
                             dx, dy = shift_velocity(cx, cy, near_x, near_y, div_r, u_max, c)
                             S[SX, a], S[SY, a] = dx, dy
                             R[NEW_NX, a], R[NEW_NY, a] = surface_normal(cx, cy, div_r)
-                row, first, last = next_stretch(start, grid, 0, shares, taken, worker)
+                row, first, last = next_stretch(start, grid, 0, segments, shares, taken, worker)
             fastest[worker] = relative
 
     return forces

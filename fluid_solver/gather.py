@@ -36,38 +36,33 @@ def copy_run(source, lo, hi, target, n):
 
 @njit
 def with_targets(start, grid, segment, kind):
-    """Row of a segment, and the part of its columns from the first to the last with targets; first = last for none.
+    """Row of a segment that has targets, and its columns [first, last) from the first with targets to the last.
 
     `kind`: 0 where fluid is looked for, 1 for ghosts.
     """
     row, first, last = segment_columns(grid, segment)
     of_row = row * grid.columns
-    if start[2 * (of_row + first)] == start[2 * (of_row + last)]:
-        return row, first, first
-    while first < last and start[2 * (of_row + first) + kind] == start[2 * (of_row + first) + kind + 1]:
+    while start[2 * (of_row + first) + kind] == start[2 * (of_row + first) + kind + 1]:
         first += 1
-    while first < last and start[2 * (of_row + last - 1) + kind] == start[2 * (of_row + last - 1) + kind + 1]:
+    while start[2 * (of_row + last - 1) + kind] == start[2 * (of_row + last - 1) + kind + 1]:
         last -= 1
     return row, first, last
 
 
 @njit
-def next_stretch(start, grid, kind, shares, taken, worker):
+def next_stretch(start, grid, kind, segments, shares, taken, worker):
     """Row and columns [first, last) of the next stretch with targets of `kind` for a `worker`; first = last when none
     is left.
 
-    A worker goes through its own share of the segments, whose particles it has near, and then helps the others with
+    A worker goes through its own share of the `segments`, whose particles it has near, and then helps the others with
     what is left of theirs: one that is held up holds up nothing but its own segment. `taken` (workers,): how many of
     each share are taken, none at the start of a sweep. Who works through a segment must not matter to the result.
     """
     for k in range(taken.size):
         owner = (worker + k) % taken.size
-        segment = shares[owner] + one_more(taken, owner)
-        while segment < shares[owner + 1]:
-            row, first, last = with_targets(start, grid, segment, kind)
-            if first < last:
-                return row, first, last
-            segment = shares[owner] + one_more(taken, owner)
+        at = shares[owner] + one_more(taken, owner)
+        if at < shares[owner + 1]:
+            return with_targets(start, grid, segments[at], kind)
     return 0, 0, 0
 
 

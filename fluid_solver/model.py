@@ -126,7 +126,7 @@ class ParticleFluid:
         self._place(0.0, 0.0, 1.0, motion, always=True)
         store = self.store
         store.sort()
-        self._ghost_velocity(store.S, store.kind, store.ids, *store.cells(), self.c, self._first, self._motion.pose)
+        self._ghost_velocity(store.S, store.kind, store.ids, *store.cells(1), self.c, self._first, self._motion.pose)
         self._load_ghosts()
         self._volume = self._enclosed_volume()
         self._accelerate(0.0)
@@ -192,7 +192,7 @@ class ParticleFluid:
         store.sort_midway(dt, drift, ghosts)
         # 4, 5  ghosts' velocities and rates at the middle; p and ρ a full step on
         # 6     x += (u_half + δu) dt/2; walls and ghosts to the end
-        self._ghost_velocity(store.S, store.kind, store.ids, *store.cells(), c, self._first, self._motion.pose)
+        self._ghost_velocity(store.S, store.kind, store.ids, *store.cells(1), c, self._first, self._motion.pose)
         self._rates(store.S, *store.cells(), c, store.work)
         advance_and_drift(store.S, store.kind, store.count, dt, self._transported, c, store.work, store.clipped)
         if self._volume > 0.0:
@@ -204,7 +204,7 @@ class ParticleFluid:
 
     def _load_ghosts(self) -> None:
         s = self.store
-        self._ghost_sweep(s.S, s.ids, *s.cells(), self.c, self._first, self.force)
+        self._ghost_sweep(s.S, s.ids, *s.cells(1), self.c, self._first, self.force)
 
     def _accelerate(self, dt: float) -> None:
         """The end of a step of `dt` [s]."""
@@ -222,7 +222,7 @@ class ParticleFluid:
         self._load_ghosts()
         self._forces(s.S, *s.cells(), self.c, self._speed, s.work, s.fastest)
         self._rates(s.S, *s.cells(), self.c, s.work)
-        self._ghost_velocity(s.S, s.kind, s.ids, *s.cells(), self.c, self._first, self._motion.pose)
+        self._ghost_velocity(s.S, s.kind, s.ids, *s.cells(1), self.c, self._first, self._motion.pose)
 
     def _place(self, t0, since, length, boundary, always=False) -> None:
         """Ghosts to the pose they have `since` seconds after t0; nothing to do when all stand still."""

@@ -36,13 +36,13 @@ def make_rates(kernel: int, transported: bool):
     rows = _ROWS_TRANSPORT if transported else _ROWS
 
     @parallel_njit
-    def rates(S, start, grid, shares, taken, buffers, columns, c, R):
+    def rates(S, start, grid, segments, shares, taken, buffers, columns, c, R):
         """Writes R[DP] [Pa/s] of the fluid."""
         rho_gx = c.rho0 * c.gx
         rho_gy = c.rho0 * c.gy
         for worker in numba.prange(taken.size):
             b = buffers[worker]
-            row, first, last = next_stretch(start, grid, 0, shares, taken, worker)
+            row, first, last = next_stretch(start, grid, 0, segments, shares, taken, worker)
             while first < last:
                 gather(S, rows, 2, start, grid, row, first, last, b, columns[worker])
                 for column in range(first, last):
@@ -65,6 +65,6 @@ def make_rates(kernel: int, transported: bool):
                         R[DP, a] = c.slope * (rho_a * c.c0 * c.c0 * div + p_rate)
                         if c.slope * div_r < ISOLATED:
                             R[DP, a] -= FORGETTING * c.c0 / c.h * min(0.0, p_a)
-                row, first, last = next_stretch(start, grid, 0, shares, taken, worker)
+                row, first, last = next_stretch(start, grid, 0, segments, shares, taken, worker)
 
     return rates

@@ -14,10 +14,11 @@ from fluid_solver.cells import (
     Grid,
     count_cells,
     find_cells,
+    list_segments,
     park_and_bound,
     permute,
     pick,
-    share_cells,
+    segments_per_row,
     wrap,
 )
 from fluid_solver.fields import WORK_ROWS
@@ -34,9 +35,10 @@ _ALIKE = 1e-6  # two steps whose lengths differ by less are of one length: they 
 class Store:
     """State `S` (ROWS, n), `kind` and `ids` (n,) in cell order; the first `count` take part, parked ones follow.
 
-    `start`, `grid`: the cells (see cells.py); `shares`: first segment of each thread's share; `buffers`: candidates of
-    a segment, one per thread; `work`: results of a sweep; `speeds`: per-block maxima; `fastest`: largest relative speed
-    that each thread met, squared [m²/s²]; `clipped`: per-block impulse of the tension taken off [N s/m].
+    `start`, `grid`: the cells (see cells.py); `segments`: those with fluid, and those with ghosts; `shares`: where each
+    thread's share of either begins; `buffers`: candidates of a segment, one per thread; `work`: results of a sweep;
+    `speeds`: per-block maxima; `fastest`: largest relative speed that each thread met, squared [m²/s²]; `clipped`:
+    per-block impulse of the tension taken off [N s/m].
     """
 
     def __init__(
@@ -61,7 +63,8 @@ class Store:
         self.speeds = np.empty((2, n // BLOCK + 1))
         self.clipped = np.zeros(n // BLOCK + 1)
         self.fastest = np.zeros(threads)
-        self.shares = np.zeros(threads + 1, dtype=np.int64)
+        self.segments = np.zeros((2, 0), dtype=np.int32)
+        self.shares = np.zeros((2, threads + 1), dtype=np.int64)
         self.buffers = np.empty((threads, BUFFER_ROWS, LANES))
         # where the columns of a segment begin in its buffer
         self._columns = np.zeros((threads, SEGMENT + 2 * COLUMNS + 1), dtype=np.int64)
@@ -160,15 +163,20 @@ class Store:
         return box[:, 0].copy(), inv_cell
 
     def _share(self) -> None:
-        most = share_cells(self.start, self.grid, self.shares)
+        segments = (self.grid.rows - 2) * segments_per_row(self.grid)
+        if segments > self.segments.shape[1]:
+            self.segments = np.empty((2, int(_CROWDED * segments)), dtype=np.int32)
+        most = list_segments(self.start, self.grid, self.segments, self.shares)
         if most + 2 * LANES > self.buffers.shape[2]:
             room = int(_CROWDED * most / LANES + 3) * LANES
             self.buffers = np.empty((len(self.buffers), BUFFER_ROWS, room))
 
-    def cells(self) -> tuple:
-        """What a sweep needs: start, grid, shares, taken, buffers, columns."""
+    def cells(self, kind: int = 0) -> tuple:
+        """What a sweep over fluid (`kind` 0) or ghosts (1) needs: start, grid, segments, shares, taken, buffers,
+        columns."""
         self._taken[:] = 0
-        return self.start, self.grid, self.shares, self._taken, self.buffers, self._columns
+        lists = self.segments[kind], self.shares[kind]
+        return self.start, self.grid, *lists, self._taken, self.buffers, self._columns
 
     def nbytes(self) -> int:
         """Bytes of the arrays that a step works on."""

@@ -58,11 +58,11 @@ def make_ghost_velocity(kernel: int, viscous: bool):
     """The compiled sweep that mirrors the fluid's velocity at walls; `viscous`: structures are sticky."""
 
     @parallel_njit
-    def ghost_velocity(S, kind, ids, start, grid, shares, taken, buffers, columns, c, first_id, pose):
+    def ghost_velocity(S, kind, ids, start, grid, segments, shares, taken, buffers, columns, c, first_id, pose):
         """Sets S[U], S[V] of the ghosts. A ghost's own velocity and normal are in `pose` at its id less `first_id`."""
         for worker in numba.prange(taken.size):
             b = buffers[worker]
-            row, first, last = next_stretch(start, grid, 1, shares, taken, worker)
+            row, first, last = next_stretch(start, grid, 1, segments, shares, taken, worker)
             while first < last:
                 gather(S, _ROWS_VELOCITY, 1, start, grid, row, first, last, b, columns[worker])
                 for column in range(first, last):
@@ -80,7 +80,7 @@ def make_ghost_velocity(kernel: int, viscous: bool):
                             v_sum += b[3, k] * w
                         sticky = kind[a] == NO_SLIP or (viscous and kind[a] == STRUCTURE)
                         S[U, a], S[V, a] = mirrored(S, a, total, u_sum, v_sum, sticky, pose[ids[a] - first_id])
-                row, first, last = next_stretch(start, grid, 1, shares, taken, worker)
+                row, first, last = next_stretch(start, grid, 1, segments, shares, taken, worker)
 
     return ghost_velocity
 
@@ -104,7 +104,7 @@ def make_ghosts(kernel: int, viscous: bool):
     """The compiled sweep for pressures of ghosts and forces on them."""
 
     @parallel_njit
-    def ghosts(S, ids, start, grid, shares, taken, buffers, columns, c, first_id, force):
+    def ghosts(S, ids, start, grid, segments, shares, taken, buffers, columns, c, first_id, force):
         """Sets pressure, density and mass of the ghosts, and their `force` (ghosts, 2) [N/m].
 
         A ghost's place in `force` is its id less `first_id`.
@@ -112,7 +112,7 @@ def make_ghosts(kernel: int, viscous: bool):
         alpha_h_c = c.alpha * c.h * c.c0 / c.rho0
         for worker in numba.prange(taken.size):
             b = buffers[worker]
-            row, first, last = next_stretch(start, grid, 1, shares, taken, worker)
+            row, first, last = next_stretch(start, grid, 1, segments, shares, taken, worker)
             while first < last:
                 gather(S, _ROWS, 1, start, grid, row, first, last, b, columns[worker])
                 for column in range(first, last):
@@ -135,7 +135,7 @@ def make_ghosts(kernel: int, viscous: bool):
                             fy += py
                         force[ids[a] - first_id, 0] = S[M, a] * fx
                         force[ids[a] - first_id, 1] = S[M, a] * fy
-                row, first, last = next_stretch(start, grid, 1, shares, taken, worker)
+                row, first, last = next_stretch(start, grid, 1, segments, shares, taken, worker)
 
     return ghosts
 

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from fluid_solver.cells import COLUMNS, share_cells
+from fluid_solver.cells import COLUMNS, list_segments
 from fluid_solver.fields import AX, AY, FLUID, RHO, M, P, U, V, X, Y
 from fluid_solver.gather import next_stretch
 from fluid_solver.models import make_model
@@ -238,13 +238,14 @@ def test_no_speed_to_guess_the_sound_speed_from_is_bad_input():
 def test_every_segment_with_targets_is_taken_once_whoever_takes_it(kind):
     """Workers that take turns unevenly, and one alone: the same stretches, a share's own first."""
     store = begun(tank(dx=4e-3)).store
-    shares = np.zeros(4, dtype=np.int64)
-    share_cells(store.start, store.grid, shares)
+    segments, shares = np.empty_like(store.segments), np.zeros((2, 4), dtype=np.int64)
+    list_segments(store.start, store.grid, segments, shares)
+    lists = segments[kind], shares[kind]
 
     def stretches(order):
         taken, found = np.zeros(3, dtype=np.int64), []
         for worker in order:
-            row, first, last = next_stretch(store.start, store.grid, kind, shares, taken, worker)
+            row, first, last = next_stretch(store.start, store.grid, kind, *lists, taken, worker)
             found += [(row, first, last)] if first < last else []
         return found
 
