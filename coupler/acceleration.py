@@ -119,8 +119,9 @@ class IqnIls:
         chosen, basis, upper = self._independent(weight)
         if not chosen:
             return x + self._omega * residual
-        c = np.linalg.solve(upper, -(np.array(basis) @ (weight * residual)))
-        return found + sum(factor * column for factor, (_, column) in zip(c, chosen, strict=True))
+        counted = weight > 0.0
+        c = np.linalg.solve(upper, -(basis @ (weight * residual)[counted]))
+        return found + c @ np.array([column for _, column in chosen])
 
     def state(self) -> State:
         """The differences that are kept: per window (newest first) and pair (newest first) Δr and Δx̃."""
@@ -138,28 +139,32 @@ class IqnIls:
             self._columns.append([tuple(pairs[str(pair)]) for pair in range(len(pairs))])
 
     def _independent(self, weight: np.ndarray):
-        """Differences, newest first, that the newer ones do not explain; orthonormal basis and R of their Δr."""
-        chosen, basis, rows = [], [], []
-        for pair in (pair for window in self._columns for pair in window):
-            if len(chosen) == np.count_nonzero(weight):
+        """Differences, newest first, that the newer ones do not explain; orthonormal rows and R of their Δr, of the
+        entries that count."""
+        counted = weight > 0.0
+        scale = weight[counted]
+        pairs = [pair for window in self._columns for pair in window]
+        most = min(len(pairs), len(scale))
+        chosen, basis, upper = [], np.empty((most, len(scale))), np.zeros((most, most))
+        for pair in pairs:
+            k = len(chosen)
+            if k == most:
                 break
-            column = weight * pair[0]
+            column = scale * pair[0][counted]
             size = np.linalg.norm(column)
-            parts = np.zeros(len(basis))
             for _ in range(2):  # twice is enough
-                for k, direction in enumerate(basis):
-                    part = direction @ column
-                    parts[k] += part
-                    column = column - part * direction
+                parts = basis[:k] @ column
+                column -= parts @ basis[:k]
+                upper[:k, k] += parts
             left = np.linalg.norm(column)
             if left > FILTER * size:
                 chosen.append(pair)
-                basis.append(column / left)
-                rows.append([*parts, left])
-        upper = np.zeros((len(rows), len(rows)))
-        for k, row in enumerate(rows):
-            upper[: k + 1, k] = row
-        return chosen, basis, upper
+                basis[k] = column / left
+                upper[k, k] = left
+            else:
+                upper[:k, k] = 0.0
+        count = len(chosen)
+        return chosen, basis[:count], upper[:count, :count]
 
 
 def make_acceleration(coupling: Coupling) -> Acceleration:

@@ -11,7 +11,7 @@ import numpy as np
 
 from shared.clock import Clock, Window
 from shared.contract import Description, Exchange, Kinematics, Loads, ShearwaterError, exchange_fields
-from shared.link import Link
+from shared.link import InProcessLink, Link
 from shared.participant import kinematics_shapes
 from shared.wire import BadMessage, Message, check_envelope, check_fields, check_window, decode, encode
 
@@ -32,6 +32,7 @@ class Remote:
 
     def __init__(self, link: Link, run: str, name: str):
         self.name = name
+        self.apart = not isinstance(link, InProcessLink)  # whether the participant's processor time is its own
         self._link = link
         self._run = run
         self._sequence = 0

@@ -10,6 +10,8 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
+from threadpoolctl import threadpool_limits
+
 from coupler.choice import make_taker
 from coupler.inprocess import inprocess_sides
 from coupler.ledger import Ledger
@@ -75,7 +77,14 @@ def resume_coupled(
 def _run(scene: Scene, threads: dict[str, int], link: str, record: Record, last: Checkpoint | None = None) -> None:
     """Start both sides, march them from t = 0 or from a checkpoint, and end them."""
     run_dir, run = record.run_dir, uuid.uuid4().hex[:12]
-    with _logging_to(run_dir / "log"), _naming_the_way_on(run_dir), _sides(scene, threads, link, run, record) as both:
+    with (
+        _logging_to(run_dir / "log"),
+        _naming_the_way_on(run_dir),
+        threadpool_limits(
+            1, "blas"
+        ),  # the coupler's vectors are short: more threads only take cores from the two sides
+        _sides(scene, threads, link, run, record) as both,
+    ):
         couple(scene, both["fluid"], both["solid"], record, last)
 
 
@@ -122,9 +131,10 @@ def couple(scene: Scene, fluid: Remote, structure: Remote, record: Record, last:
     c = start(scene, clock, mapping, fluid, structure, record, last)
     counts = march(scene, plan, clock, c, record, last)
     costs = {"fluid": fluid.finish(), "solid": structure.finish()}
+    sides = [cost.pop("core_s") for cost in costs.values()]
     waited = counts["marched_s"] - counts["worked_s"]
     record.cost |= {
-        "core_s": sum(cost.pop("core_s") for cost in costs.values()),
+        "core_s": counts["core_s"] + sum(sides) if fluid.apart else max(sides),
         **costs,
         "coupling": {
             "scheme": plan.scheme,
@@ -133,6 +143,7 @@ def couple(scene: Scene, fluid: Remote, structure: Remote, record: Record, last:
             "iterations_most": counts["most"],
             "not_converged": counts["unconverged"],
             "reasons": plan.reasons,
+            "core_s": counts["core_s"],
             "wait_s": waited,
             "overhead_fraction": waited / counts["marched_s"],
         },
@@ -179,11 +190,11 @@ def march(
     scene: Scene, plan: Plan, clock: Clock, c: Coupled, record: Record, last: Checkpoint | None = None
 ) -> dict[str, float]:
     """All windows, or those that the checkpoint `last` leaves; returns how they were iterated, and the time spent."""
-    begun = time.perf_counter()
+    begun, core_begun = time.perf_counter(), time.process_time()
     first = last.window if last else 0
     take = make_taker(plan, scene.coupling)
     ledger = Ledger(record.run_dir / "ledger.csv", scene.coupling.limits, first if last else None)
-    counts = {"iterations": 0, "unconverged": 0, "most": 0, "marched_s": 0.0, "worked_s": 0.0}
+    counts = {"iterations": 0, "unconverged": 0, "most": 0, "marched_s": 0.0, "worked_s": 0.0, "core_s": 0.0}
     checkpoints = Checkpoints(record.run_dir, scene.output.checkpoint_every, last)
     memory = {"coupled": c, "taker": take, "ledger": ledger}
     try:
@@ -192,14 +203,19 @@ def march(
                 told.begin(c, clock, **outputs(scene, clock))
             else:
                 counts |= recall(memory, plan, last)
-            before = counts["marched_s"]
             working = Working(counts["worked_s"], c.fluid, c.structure)
+            earlier = dict(counts)
+
+            def spent() -> dict[str, float]:
+                marched, core = time.perf_counter() - begun, time.process_time() - core_begun
+                own = {"marched_s": earlier["marched_s"] + marched, "core_s": earlier["core_s"] + core}
+                return own | {"worked_s": working.seconds}
+
             for window in map(clock.window, range(first, clock.count)):
                 if checkpoints.due(stop.asked):
                     ledger.flush()
                     told.flush()
-                    counts |= {"marched_s": before + time.perf_counter() - begun, "worked_s": working.seconds}
-                    remember(memory, plan, checkpoints, window, record.notes() | {"counts": counts})
+                    remember(memory, plan, checkpoints, window, record.notes() | {"counts": counts | spent()})
                 stop.here()
                 outcome = take(c, window)
                 working.note()
@@ -218,7 +234,7 @@ def march(
     finally:
         ledger.close()
         record.ledger |= ledger.summary()
-    return counts | {"marched_s": before + time.perf_counter() - begun, "worked_s": working.seconds}
+    return counts | spent()
 
 
 def outputs(scene: Scene, clock: Clock) -> dict[str, int]:

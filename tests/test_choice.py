@@ -24,6 +24,7 @@ def test_a_heavy_piston_is_left_to_lagged_exchange():
     history = couple(piston([ABSORBING, "end_time=0.1"], scheme="auto", window=1e-3))
     assert history.plan.scheme == "serial-explicit"
     assert len(history.plan.reasons) == 1
+    assert all(outcome.converged for outcome in history.outcomes)
     assert all(len(o.changes) == (2 if is_measured(k) else 1) for k, o in enumerate(history.outcomes))
 
 

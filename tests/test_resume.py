@@ -91,6 +91,15 @@ def test_every_scheme_goes_on_with_its_memory(scheme, tmp_path, monkeypatch):
     for name in ("iterations_mean", "iterations_most", "not_converged", "reasons"):
         assert found["cost"]["coupling"][name] == whole["cost"]["coupling"][name], name
     assert found["cost"]["fluid"]["steps"] == whole["cost"]["fluid"]["steps"]
+    assert found["cost"]["coupling"]["core_s"] > 0.0
+
+
+def test_a_process_counts_once(tmp_path):
+    """Both sides in the coupler's own process: its processor time is that of the run, not three times over."""
+    begun = time.process_time()
+    cost = run_coupled(piston(OFTEN), "piston", tmp_path / "run", ONE, True, "inprocess").result["cost"]
+    assert 0.0 < cost["coupling"]["core_s"] <= time.process_time() - begun
+    assert cost["core_s"] <= time.process_time()
 
 
 def test_what_was_lost_before_a_break_counts_in_the_end(tmp_path, monkeypatch):
