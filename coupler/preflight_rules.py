@@ -9,7 +9,16 @@ from __future__ import annotations
 
 from coupler.preflight_finding import Finding, Rule
 from coupler.preflight_numbers import Numbers
-from coupler.preflight_rules_joint import ghost_acceleration, helmholtz, mass_ratio, step_ratio, support, window_number
+from coupler.preflight_rules_joint import (
+    filled_area,
+    ghost_acceleration,
+    helmholtz,
+    mass_ratio,
+    step_ratio,
+    steps,
+    support,
+    window_number,
+)
 from coupler.preflight_rules_plate import across, cauchy, courant_solid, poisson, printed_gradient, slenderness
 from coupler.preflight_rules_water import courant_fluid, falls_out, froude, mach, neighbours, start_up, water_across
 from shared.schema import Scene
@@ -34,6 +43,8 @@ RULES: tuple[Rule, ...] = (
     start_up,
     poisson,
     printed_gradient,
+    filled_area,
+    steps,
 )
 
 

@@ -12,6 +12,7 @@ from shared.schema_geometry import Domain
 
 MACH_WARN, MACH_REFUSE = 0.2, 0.5  # density varies by Ma²: 4 %, a quarter
 MACH_IDLE = 0.02  # five times the usual sound speed, and as many steps, for a density that varies by 0.04 %
+FASTEST_SOUND = 5000.0  # m/s: no liquid's is faster, so that an artificial one above it follows from a wrong number
 WATER_ACROSS_WARN = 8.0
 H_OVER_DX = {"wendland-c2": (1.0, 3.0), "quintic-spline": (0.9, 1.6)}  # fewer: noise; more: pairs
 LOOSE = 3.5  # support over dx from which a lattice is loose enough for small waves
@@ -28,6 +29,9 @@ def mach(scene: Scene, n: Numbers) -> Finding | None:
     reason = f"up to {w.speed:.3g} m/s at c0 = {w.sound_speed:.3g} m/s: density varies by {100 * value**2:.2g} %"
     if verdict != "ok":
         return Finding("Mach", value, verdict, reason, f"fluid.sound_speed = {10.0 * w.speed:.3g}, or auto")
+    if w.sound_speed > FASTEST_SOUND:
+        why = f"{reason}; sound in water itself runs at 1480 m/s"
+        return Finding("Mach", value, "warn", why, "check the units of gravity, motions, velocities and lengths")
     if 0.0 < value < MACH_IDLE:
         way_out = f"fluid.sound_speed = {10.0 * w.speed:.3g} takes {0.1 / value:.3g} times fewer steps"
         return Finding("Mach", value, "warn", reason, way_out)

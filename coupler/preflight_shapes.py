@@ -33,6 +33,17 @@ def _box(same: _Same) -> tuple[np.ndarray, np.ndarray]:
     return geometry.own_box(same.shape)
 
 
+@lru_cache(maxsize=512)
+def _excess(same: _Same, dx: float) -> float:
+    cells = geometry.fill(same.shape, dx)
+    return float(np.sum(cells.volume)) / geometry.area(same.shape) - 1.0
+
+
+def excess(shape: Shape, dx: float) -> float:
+    """What a shape's particles at spacing `dx` [m] hold beyond its area, over the area."""
+    return _excess(_Same(shape), dx)
+
+
 def outline(shape: Shape) -> np.ndarray:
     """As geometry.outline; not to be written into."""
     return _outline(_Same(shape))

@@ -14,12 +14,13 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.spatial import cKDTree
 
-from shared.regions import axes_of, contains, distance_to, faces, outline, own_box, turn
+from shared.regions import area, axes_of, contains, distance_to, faces, outline, own_box, turn
 from shared.schema_fluid import Wall
 from shared.schema_geometry import Shape
 
 __all__ = [
     "Particles",
+    "area",
     "contains",
     "distance_to",
     "faces",

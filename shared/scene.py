@@ -68,6 +68,10 @@ def _find(case: str | Path) -> Path:
     path = Path(case)
     if path.is_file():
         return path.resolve()
+    if path.is_dir():
+        inside = [one.name for one in sorted(path.glob("*.toml"))]
+        found = f"in it: {', '.join(inside)}" if inside else "there is no TOML file in it"
+        raise BadInput(f"{case}: a directory; name a scene's file ({found})")
     shipped = shipped_cases()
     if str(case) in shipped:
         return shipped[str(case)]
@@ -78,7 +82,7 @@ def _find(case: str | Path) -> Path:
 
 def _read(path: Path) -> dict[str, Any]:
     try:
-        return tomllib.loads(path.read_text(encoding="utf-8"))
+        return tomllib.loads(path.read_text(encoding="utf-8-sig"))
     except tomllib.TOMLDecodeError as error:
         raise BadInput(f"{path}: not TOML: {error}") from None
     except (OSError, UnicodeDecodeError) as error:

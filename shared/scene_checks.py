@@ -13,7 +13,7 @@ from collections.abc import Iterator
 import numpy as np
 
 from shared.curves import read_curve
-from shared.geometry import contains, distance_to, faces, outline
+from shared.geometry import area, contains, distance_to, faces, outline
 from shared.scene_fields import suggest
 from shared.scene_geometry import GEOMETRY_CHECKS, has_shape
 from shared.scene_models import MODEL_CHECKS, SOLID_ONLY, STRESSES
@@ -113,7 +113,7 @@ def _clamps_and_loads(scene: Scene) -> Iterator[str]:
                 continue
             if entry.body not in bodies:
                 yield f'{path}.body = "{entry.body}": no such body of the solid{suggest(entry.body, bodies)}'
-            elif entry.face is not None and has_shape(bodies[entry.body]):
+            elif entry.face is not None and has_shape(bodies[entry.body]) and area(bodies[entry.body]) > 0.0:
                 named = faces(bodies[entry.body])
                 if entry.face not in named:
                     wrong = f"{path}.face = \"{entry.face}\": body '{entry.body}' has no such face"

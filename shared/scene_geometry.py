@@ -11,7 +11,7 @@ from collections.abc import Callable, Iterator
 import numpy as np
 from scipy.spatial import cKDTree
 
-from shared.geometry import contains, distance_to, faces, fill, outline, own_box, wall_particles
+from shared.geometry import area, contains, distance_to, faces, fill, outline, own_box, wall_particles
 from shared.schema import Scene
 from shared.schema_fluid import Wall
 from shared.schema_geometry import SHAPE_KINDS, Body, Domain, Shape
@@ -57,8 +57,8 @@ def _shapes(scene: Scene) -> Iterator[tuple[str, Body, float]]:
 
 def _cells(body: Body, dx: float) -> float:
     """Number of lattice cells in the body's bounding box."""
-    lower, upper = own_box(body)
-    return float(np.prod((upper - lower) / dx))
+    width, height = (float(length) for length in np.subtract(*own_box(body)[::-1]))
+    return (width / dx) * (height / dx)
 
 
 def _bodies(scene: Scene) -> Iterator[tuple[str, Body, float]]:
@@ -128,7 +128,9 @@ def _sizes(scene: Scene) -> Iterator[str]:
         extent = float(np.min(upper - lower))
         key = path.split(".")[0] + ".dx"
         model = scene.solid.model if path.startswith("solid") else None
-        if extent < dx * (1.0 - 1e-9):
+        if area(body) == 0.0:
+            yield f"{path}: {_called(path, body)} is empty: the shapes that are taken away leave nothing"
+        elif extent < dx * (1.0 - 1e-9):
             yield f"{key} = {dx:g}: larger than body {_called(path, body)}, which measures {extent:g} m across"
         elif len(fill(body, dx).position) == 0:
             yield f"{key} = {dx:g}: too large, body {_called(path, body)} would hold no particle"

@@ -5,17 +5,11 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from shared.geometry import contains, distance_to, faces, fill, ghosts, outline, wall_particles
+from shared.geometry import area, contains, distance_to, faces, fill, ghosts, outline, wall_particles
 from shared.schema_fluid import Wall
 from shared.schema_geometry import Shape
 
 PLATE = Shape(rectangle=(0.0, 0.0, 0.2, 0.012))
-
-
-def area(segments):
-    """Area within an outline by Green's theorem: positive if the body is on the left of all segments."""
-    (x0, y0), (x1, y1) = segments[:, 0].T, segments[:, 1].T
-    return 0.5 * np.sum(x0 * y1 - x1 * y0)
 
 
 def rounded(points, unit):
@@ -58,7 +52,7 @@ def test_polygon_edges_keep_their_numbers_when_written_clockwise():
     for i in range(3):
         edge = faces(triangle)[f"edge-{i}"][0]
         assert {tuple(edge[0]), tuple(edge[1])} == {corners[i], corners[(i + 1) % 3]}
-    assert area(outline(triangle)) == pytest.approx(0.5)
+    assert area(triangle) == pytest.approx(0.5)
     assert fill(triangle, 0.01).volume.sum() == pytest.approx(0.5, rel=0.02)
 
 
@@ -81,7 +75,7 @@ NESTED_AREA = 1 + 0.75 - np.pi * 0.0625 - 0.25 * 0.625
 
 def test_nested_shapes_have_one_closed_outline():
     segments = outline(NESTED)
-    assert area(segments) == pytest.approx(NESTED_AREA, rel=2e-4)
+    assert area(NESTED) == pytest.approx(NESTED_AREA, rel=2e-4)
     starts, ends = rounded(segments[:, 0], 1e-6), rounded(segments[:, 1], 1e-6)
     assert starts == ends
     assert fill(NESTED, 0.01).volume.sum() == pytest.approx(NESTED_AREA, rel=2e-3)
@@ -120,7 +114,7 @@ def test_union_of_lattice_rectangles_counts_cells(boxes, refine):
     """Rectangles on a unit lattice: outline area, particle volume and count of covered cells agree."""
     shape = Shape(union=[{"rectangle": (x, y, x + w, y + h)} for x, y, w, h in boxes])
     cells = {(i, j) for x, y, w, h in boxes for i in range(x, x + w) for j in range(y, y + h)}
-    assert area(outline(shape)) == pytest.approx(len(cells))
+    assert area(shape) == pytest.approx(len(cells))
     assert fill(shape, 1 / refine).volume.sum() == pytest.approx(len(cells))
 
 

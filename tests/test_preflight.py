@@ -40,6 +40,7 @@ TRIPPED = (
     ("mach", "dam_break", ["fluid.sound_speed=10"], "Mach", "warn"),
     ("mach", "dam_break", ["fluid.sound_speed=4"], "Mach", "refuse"),
     ("mach", "dam_break", ["fluid.sound_speed=1480"], "Mach", "warn"),
+    ("mach", "dam_break", ["gravity=[0.0, -9.81e6]", "fluid.sound_speed=auto"], "Mach", "warn"),
     ("helmholtz", "hydrostatic_plate", ["goal.statistic=min"], "Helmholtz", "refuse"),
     ("froude", "dam_break", ["domain={ lower = [-0.1, -0.1], upper = [2.0, 0.6] }",
                              "fluid.bodies.water.velocity=[4.0, 0.0]"], "Froude", "warn"),
@@ -67,6 +68,10 @@ TRIPPED = (
     ("falls_out", "dam_break", ["walls.tank.polyline=[[0.0,0.45],[0.0,0.0],[0.1,0.0]]"], "nothing below", "warn"),
     ("start_up", "still_tank", ["fluid.initial_pressure=zero"], "start-up", "warn"),
     ("poisson", "udl_beam", ["solid.poisson_ratio=0.495"], "Poisson's ratio", "warn"),
+    ("filled_area", "submerged_block", ["solid.bodies=[{ name='block', circle={ centre=[0.2, 0.16], radius=0.02 } }]",
+                                        "solid.dx=0.014"], "filled area", "warn"),
+    ("steps", "udl_beam", ["end_time=1e5"], "steps", "warn"),
+    ("steps", "dam_break", ["end_time=1e32"], "steps", "refuse"),
     ("printed_gradient", "udl_beam", ["solid.model=ctvf", "solid.gradient=printed"], "gradient order", "warn"),
 )  # fmt: skip
 

@@ -105,6 +105,9 @@ WRONG = {
     "references=[{ probe = 'tip', name = 'x', curve = 'none.csv' }]": "no such file",
     "references=[{ probe = 'tip', name = 'x' }]": "give either value or curve",
     "solid.bodies.plane.free=true": "no item named 'plane'; did you mean 'plate'?",
+    "solid.bodies=[{ name='plate', difference=[{ rectangle=[0.6, 0, 0.65, 0.3] }, { rectangle=[0, 0, 1, 1] }] }]": (
+        "solid.bodies[0]: 'plate' is empty: the shapes that are taken away leave nothing"
+    ),
     "end_time": "write path.to.key=value",
     "end_time.x=1": "end_time is a value, not a table",
 }
@@ -112,7 +115,7 @@ WRONG = {
 
 @pytest.mark.parametrize("change", WRONG)
 def test_one_mistake_is_one_line_that_says_it(scene_file, change):
-    moved = change.startswith("solid.bodies.plate.rectangle")
+    moved = change.startswith(("solid.bodies.plate.rectangle", "solid.bodies=["))
     text = GOOD.split("[[probes]]")[0] if moved else GOOD
     (line,) = mistakes(scene_file(text), change)
     assert WRONG[change] in line
@@ -160,6 +163,18 @@ def test_empty_scene_has_no_side(scene_file):
 def test_not_toml_names_the_line(scene_file):
     with pytest.raises(BadInput, match="line 3"):
         load_scene(scene_file("schema = 1\n\ntitle = \n"))
+
+
+def test_a_byte_order_mark_is_no_mistake(tmp_path):
+    path = tmp_path / "marked.toml"
+    path.write_text(GOOD, encoding="utf-8-sig")
+    assert load_scene(path).end_time == 1.0
+
+
+def test_a_directory_names_the_scenes_in_it(tmp_path):
+    (tmp_path / "one.toml").write_text(GOOD)
+    with pytest.raises(BadInput, match=r"a directory; name a scene's file \(in it: one.toml\)"):
+        load_scene(tmp_path)
 
 
 def test_missing_file_lists_cases_and_suggests():
