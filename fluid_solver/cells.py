@@ -2,9 +2,11 @@
 
 Cells lie in rows as high as the kernel's support and are `COLUMNS` times narrower than that. Particles are counting-
 sorted by cell, row by row, in each cell fluid before ghosts: cell c holds [start[2c], start[2c + 1]) fluid and
-[start[2c + 1], start[2c + 2]) ghosts. A ring of empty cells, a support wide, surrounds all. Everything within the
-support of a particle lies in its own row and the two beside it, at most `COLUMNS` columns away, as long as no particle
-is more than half the skin away from where it was sorted to: rows are support + skin high.
+[start[2c + 1], start[2c + 2]) ghosts. A ring of empty cells, a support wide, surrounds all. Of the rows, those that
+hold fluid are kept, and those beside them; the ghosts of all others meet no fluid, and share the last row within the
+ring: high walls and drops that fly far add few cells. Everything within the support of a particle lies in its own row
+and the two beside it, at most `COLUMNS` columns away, as long as no particle is more than half the skin away from where
+it was sorted to: rows are support + skin high.
 
 In a periodic direction cells tile the period exactly, a little larger than that. A cell at its edge finds its
 neighbours at the other edge, and sees them shifted by the period. Positions are wrapped at the sort and may leave the
@@ -18,7 +20,7 @@ from typing import NamedTuple
 import numba
 import numpy as np
 
-from fluid_solver.fields import AX, AY, FLUID, PARKED, SX, SY, U, V, X, Y
+from fluid_solver.fields import AX, FLUID, PARKED, SX, U, X, Y
 from shared.jit import inline_njit, njit, parallel_njit
 
 COLUMNS = 2  # cells per support along a row
@@ -73,26 +75,69 @@ def wrap(S, count, period):
                     S[axis, i] -= length
 
 
+@inline_njit
+def led(S, i, fluid, axis, lead, kick):
+    """Where particle i will be [m] in `lead` [s], having been accelerated for `kick` [s], if it is `fluid`."""
+    x = S[X + axis, i]
+    return x + lead * (S[U + axis, i] + kick * S[AX + axis, i] + S[SX + axis, i]) if fluid else x
+
+
+@inline_njit
+def row_of(y, origin, inv_cell, places):
+    """Row of height `y` [m] among all those over the box, the ring counted."""
+    return min(int((y - origin[1]) * inv_cell[1]) + 1, places.size - 2)
+
+
 @parallel_njit
-def find_cells(S, kind, count, lead, kick, origin, inv_cell, grid, key, parked_key, spans):
+def mark_rows(S, kind, count, lead, kick, origin, inv_cell, places):
+    """Set `places` (all rows,) to 1 for rows that hold fluid; see `find_cells`."""
+    for block in numba.prange((count + BLOCK - 1) // BLOCK):
+        for i in range(block * BLOCK, min(block * BLOCK + BLOCK, count)):
+            if kind[i] == FLUID:
+                places[row_of(led(S, i, True, 1, lead, kick), origin, inv_cell, places)] = 1
+
+
+@njit
+def place_rows(places, periodic):
+    """From rows that hold fluid, 1 in `places`, to the place of each: of those that hold some and those beside them
+    one after the other, of all others one behind these; if `periodic`, of all where they are. Returns how many rows
+    there are, the ring counted."""
+    if periodic:
+        places[:] = np.arange(places.size)
+        return places.size
+    here, after, last = 0, places[0], 0
+    for row in range(places.size):
+        before, here = here, after
+        after = places[row + 1] if row + 1 < places.size else 0
+        places[row] = -1
+        if before + here + after > 0:
+            last += 1
+            places[row] = last
+    for row in range(places.size):
+        if places[row] < 0:
+            places[row] = last + 1
+    return last + 3
+
+
+@parallel_njit
+def find_cells(S, kind, count, lead, kick, origin, inv_cell, grid, places, key, parked_key, spans):
     """Keys of the first `count` particles, `parked_key` of the parked; least and largest of each block in `spans`.
 
     Fluid belongs to the cell where it will be in `lead` [s], having been accelerated for `kick` [s]. `origin` (2,)
-    [m]: corner of the first cell within the ring; `inv_cell` (2,) [1/m]: one over the cells' size.
+    [m]: corner of the first cell within the ring; `inv_cell` (2,) [1/m]: one over the cells' size; `places` of all
+    rows, see `place_rows`.
     """
-    last_column, last_row = grid.columns - COLUMNS - 1, grid.rows - 2
+    last_column = grid.columns - COLUMNS - 1
     for block in numba.prange((count + BLOCK - 1) // BLOCK):
         least, most = parked_key, 0
         for i in range(block * BLOCK, min(block * BLOCK + BLOCK, count)):
             k = parked_key
             if kind[i] != PARKED:
-                x, y = S[X, i], S[Y, i]
-                if kind[i] == FLUID:
-                    x += lead * (S[U, i] + kick * S[AX, i] + S[SX, i])
-                    y += lead * (S[V, i] + kick * S[AY, i] + S[SY, i])
+                fluid = kind[i] == FLUID
+                x, y = led(S, i, fluid, 0, lead, kick), led(S, i, fluid, 1, lead, kick)
                 column = min(int((x - origin[0]) * inv_cell[0]) + COLUMNS, last_column)
-                row = min(int((y - origin[1]) * inv_cell[1]) + 1, last_row)
-                k = 2 * (row * grid.columns + column) + (0 if kind[i] == FLUID else 1)
+                row = places[row_of(y, origin, inv_cell, places)]
+                k = 2 * (row * grid.columns + column) + (0 if fluid else 1)
             key[i] = k
             least, most = min(least, k), max(most, k)
         spans[block, 0], spans[block, 1] = least, most
@@ -213,6 +258,7 @@ def list_segments(start, grid, segments, shares):
     most = 0
     listed = np.zeros(2, dtype=np.int64)
     per_row = _segments_per_row(grid)
+    dry = grid.rows - (2 if grid.period_y == 0.0 else 0)  # its ghosts meet nobody
     for row in range(1, grid.rows - 1):
         if start[2 * row * grid.columns] == start[2 * (row + 1) * grid.columns]:
             continue
@@ -221,7 +267,8 @@ def list_segments(start, grid, segments, shares):
             lo, hi = 2 * (row * grid.columns + first), 2 * (row * grid.columns + last)
             if start[lo] == start[hi]:
                 continue
-            most = max(most, candidates(start, grid, row, first, last))
+            if row < dry:
+                most = max(most, candidates(start, grid, row, first, last))
             fluid = 0
             for k in range(lo, hi, 2):
                 fluid += start[k + 1] - start[k]

@@ -15,9 +15,11 @@ from fluid_solver.cells import (
     count_cells,
     find_cells,
     list_segments,
+    mark_rows,
     park_and_bound,
     permute,
     pick,
+    place_rows,
     segments_per_row,
     wrap,
 )
@@ -57,7 +59,7 @@ class Store:
         self._spare = _with_slack(S), np.empty_like(self.kind), np.empty_like(self.ids)
         self._key, self._rank, self._order = (np.empty(n, dtype=np.int32) for _ in range(3))
         self._found, self._spans = np.empty((5, n // BLOCK + 1)), np.empty((n // BLOCK + 1, 2), dtype=np.int64)
-        self._cells = np.zeros(2, dtype=np.int32)
+        self._cells, self._places = np.zeros(2, dtype=np.int32), np.zeros(0, dtype=np.int32)
         self._support, self._domain, self._period = support, domain, period
         self.work = np.zeros((WORK_ROWS, n))
         self.speeds = np.empty((2, n // BLOCK + 1))
@@ -120,8 +122,13 @@ class Store:
         off = max((last - lead) * fluid, last * ghosts)
         self._skin = max(_SKIN * self._support, 2.0 * (1.0 + _ALIKE) * off)
         margin = lead * fluid
-        origin, inv_cell = self._lay_cells(np.array([[x0 - margin, x1 + margin], [y0 - margin, y1 + margin]]))
-        find_cells(S, kind, count, lead, kick, origin, inv_cell, self.grid, self._key, len(self.start) - 2, self._spans)
+        origin, inv_cell, size = self._measure(np.array([[x0 - margin, x1 + margin], [y0 - margin, y1 + margin]]))
+        places = self._places[: size[1]]
+        places[:] = 0
+        mark_rows(S, kind, count, lead, kick, origin, inv_cell, places)
+        self._lay_cells(size[0], place_rows(places, self.grid.period_y > 0.0))
+        last = len(self.start) - 2
+        find_cells(S, kind, count, lead, kick, origin, inv_cell, self.grid, places, self._key, last, self._spans)
         count_cells(self._key, count, self._spans, self.start, self._rank, self._order)
         S2, kind2, ids2 = self._spare
         permute(S, self._carried, kind, self.ids, self._order, count, S2, kind2, ids2)
@@ -131,10 +138,11 @@ class Store:
         self._moved = np.array([-lead * fluid, 0.0])
         self._share()
 
-    def _lay_cells(self, box: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """Make room for cells over `box` (2, 2): lower and upper bound [m] along x and y; periods instead where given.
+    def _measure(self, box: np.ndarray) -> tuple[np.ndarray, np.ndarray, tuple[int, int]]:
+        """Cells over `box` (2, 2), lower and upper bound [m] along x and y; periods instead where given.
 
-        Returns the corner (2,) [m] of the first cell and one over the cells' size (2,) [1/m].
+        Returns the corner (2,) [m] of the first cell, one over the cells' size (2,) [1/m], and the numbers of columns
+        and rows.
         """
         if box[0, 0] > box[0, 1]:
             raise SolverFailed(
@@ -155,12 +163,17 @@ class Store:
                 f"the particles spread from ({box[0, 0]:.4g}, {box[1, 0]:.4g}) to ({box[0, 1]:.4g}, {box[1, 1]:.4g}) m,"
                 f" too far for cells of {width:.3g} m: a body or wall has run away, or dx is too small for the scene"
             )
-        self.grid = self.grid._replace(columns=int(size[0]), rows=int(size[1]))
+        if size[1] > self._places.size:
+            self._places = np.empty(int(_CROWDED * size[1]), dtype=np.int32)
+        return box[:, 0].copy(), inv_cell, (int(size[0]), int(size[1]))
+
+    def _lay_cells(self, columns: int, rows: int) -> None:
+        """Make room for the starts of all cells."""
+        self.grid = self.grid._replace(columns=columns, rows=rows)
         cells = 2 * self.grid.columns * self.grid.rows + 2
         if cells > self._cells.size:
             self._cells = np.empty(int(_CROWDED * cells), dtype=np.int32)
         self.start = self._cells[:cells]
-        return box[:, 0].copy(), inv_cell
 
     def _share(self) -> None:
         segments = (self.grid.rows - 2) * segments_per_row(self.grid)

@@ -203,6 +203,21 @@ def test_cells_hold_every_neighbour():
         assert np.all(np.abs(column - cell[i] % store.grid.columns) <= COLUMNS)
 
 
+def test_high_walls_and_far_drops_add_few_cells():
+    """Rows without fluid near share one; the ghosts there feel nothing, the others what they feel of a low tank."""
+    low, high = tank(height=0.2), tank(height=2.0)
+    drop = low.fluid.bodies[0].model_copy(update={"name": "drop", "rectangle": (0.1, 1.5, 0.12, 1.52)})
+    water = high.fluid.model_copy(update={"bodies": [*high.fluid.bodies, drop]})
+    models = [begun(scene) for scene in (low, high.model_copy(update={"fluid": water}))]
+    rows = [model.store.grid.rows for model in models]
+    assert rows[1] <= rows[0] + 4
+    forces = [model.force[np.hypot(*model.force.T) > 0.0] for model in models]
+    weight = 0.02 * 0.02 * 1000.0 * 9.81
+    assert np.abs(forces[0].sum(axis=0) - forces[1].sum(axis=0)).max() < weight
+    dry = models[1].ghosts.position[:, 1] > 0.2 + models[1].c.support
+    assert not models[1].force[dry].any()
+
+
 # ---- failures ---------------------------------------------------------------------------------------------------
 
 
