@@ -16,6 +16,7 @@ from coupler.preflight_finding import PARTICLE_FLUIDS, STEADY
 from coupler.preflight_numbers import Numbers, scene_numbers
 from coupler.preflight_rules_joint import helmholtz
 from coupler.preflight_variations import coupled, dampings, fits, has_particles, refined, with_models
+from coupler.preflight_water import measure_water
 from shared.scene_checks import check_scene
 from shared.scene_models import FORCES
 from shared.schema import Scene
@@ -170,6 +171,13 @@ def _cannot(scene: Scene, side: str, model: str | None) -> str:
     if model == "column" and solid is None:
         return "columns stand on a structure, and there is none"
     changed, _ = with_models(scene, *((model, None) if side == "fluid" else (None, model)))
+    if (
+        side == "fluid"
+        and model in PARTICLE_FLUIDS
+        and scene.fluid.model == "column"
+        and not measure_water(changed).held
+    ):
+        return "columns stand without walls, particles fall: nothing holds the water; add [[walls]] around it"
     mistakes = check_scene(changed) if changed is not scene else []
     return mistakes[0].replace("\n", " ") if mistakes else ""
 

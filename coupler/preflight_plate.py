@@ -7,8 +7,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from coupler.preflight_shapes import own_box
-from coupler.preflight_water import UPWARD, Water, area, edge_samples
+from coupler.preflight_shapes import area, own_box
+from coupler.preflight_water import UPWARD, Water, edge_samples
 from shared.geometry import contains
 from shared.regions import axes_of
 from shared.schema import Scene
@@ -31,7 +31,7 @@ _WET = 0.5  # of a face's samples before which water stands, from which it count
 
 @dataclass(frozen=True)
 class Plate:
-    """The thinnest body of the solid. `frequency` [1/s]: of a slender body, or of a rigid one on its stiffest spring;
+    """The thinnest body of the solid. `frequency` [1/s]: of a slender body, or of a rigid one on its springs;
     `deflection` [m]: of a slender body under the scene's loads; None where there is no such thing. `stretch`: strain
     along its length under them; `wet`: number of its long faces with water before them at t = 0."""
 
@@ -80,7 +80,7 @@ def measure_plate(scene: Scene, water: Water | None) -> Plate:
         frequency = first_frequency(ends, length, stiffness, solid.density * thickness)
     damping = solid.damping
     if solid.model == "spring":
-        frequency, damping = _sprung(scene, area(body))
+        frequency, damping = _sprung(scene, body)
     axes = axes_of(body.rotate)
     wet = _wetted(scene, body, axis) if water is not None else 0
     if elastic and ends:
@@ -106,12 +106,19 @@ def measure_plate(scene: Scene, water: Water | None) -> Plate:
     )
 
 
-def _sprung(scene: Scene, volume: float) -> tuple[float | None, float]:
-    """Frequency [1/s] and damping [1/s] of a body of `volume` [m²] on the stiffest of its springs along x and y; None
-    and 0 without."""
-    spring, mass = scene.solid.spring, scene.solid.density * volume
-    stiffness, damping = max(zip(spring.stiffness[:2], spring.damping[:2], strict=True))
-    return (math.sqrt(stiffness / mass) / (2.0 * math.pi), damping / mass) if stiffness > 0.0 else (None, 0.0)
+def _sprung(scene: Scene, body: Body) -> tuple[float | None, float]:
+    """Frequency [1/s] and damping [1/s] of a body on its springs, the stiffest of those that water before one of its
+    faces, or else anything, can push against; None and 0 without."""
+    spring, mass = scene.solid.spring, scene.solid.density * area(body)
+    pushed = np.eye(2)
+    if scene.fluid is not None:
+        middle, outward = edge_samples([body], scene.fluid.dx)
+        wet = np.any([contains(water, middle + scene.fluid.dx * outward) for water in scene.fluid.bodies], axis=0)
+        pushed = outward[wet] if wet.any() else pushed
+    stiffness = pushed**2 @ np.array(spring.stiffness[:2])
+    damping = pushed**2 @ np.array(spring.damping[:2])
+    k = int(np.argmax(stiffness))
+    return (math.sqrt(stiffness[k] / mass) / (2.0 * math.pi), damping[k] / mass) if stiffness[k] > 0.0 else (None, 0.0)
 
 
 def _solid_particles(scene: Scene) -> float:

@@ -34,9 +34,18 @@ def _box(same: _Same) -> tuple[np.ndarray, np.ndarray]:
 
 
 @lru_cache(maxsize=512)
+def _area(same: _Same) -> float:
+    return geometry.area(same.shape)
+
+
+@lru_cache(maxsize=512)
 def _excess(same: _Same, dx: float) -> float:
-    cells = geometry.fill(same.shape, dx)
-    return float(np.sum(cells.volume)) / geometry.area(same.shape) - 1.0
+    return float(np.sum(geometry.fill(same.shape, dx).volume)) / _area(same) - 1.0
+
+
+def area(shape: Shape) -> float:
+    """As geometry.area."""
+    return _area(_Same(shape))
 
 
 def excess(shape: Shape, dx: float) -> float:

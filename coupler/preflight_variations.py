@@ -9,16 +9,14 @@ from collections.abc import Iterator
 from coupler.preflight_finding import PARTICLE_FLUIDS, STEADY
 from coupler.preflight_numbers import Numbers, scene_numbers
 from coupler.preflight_plate import swing_left
-from coupler.preflight_rules_joint import ALPHA_WARN, SUPPORT_WARN
+from coupler.preflight_rules_joint import SUPPORT_WARN
 from coupler.preflight_rules_plate import ACROSS_WARN
 from coupler.preflight_rules_water import WATER_ACROSS_WARN
 from shared.schema import Scene
 from shared.schema_solid import PARTICLE_MODELS, RIGID_MODELS
-from shared.sides import probe_rows
 
 Varied = tuple[Scene, tuple[str, ...]]
 
-_WINDOWS_PER_PERIOD = 20.0
 _ROWS_OF_A_MEAN = 4  # of a structure that has come to rest
 _AT_REST = 1e-3  # of a swing, that is rest
 _STIFF = 0.03  # deflection over depth: below, water that follows the plate adds so much to its load, window by window
@@ -43,23 +41,16 @@ def with_models(scene: Scene, fluid: str | None, solid: str | None) -> Varied:
 def coupled(scene: Scene) -> Varied:
     """The scene with the coupling that its models want, where the scene leaves it to be chosen.
 
-    Models without steps of their own take windows that resolve the plate's swing: explicit where little comes back
-    within a window, as with water at rest, which answers to places alone. Where no swing is left of a mean, a few
-    windows make it. Water in a box that a plate closes has nowhere to go: its load is found by iteration.
+    Water in a box that a plate closes has nowhere to go: its load is found by iteration. Under water at rest a mean
+    needs no rows of its own, and only a few windows of a plate that has come to rest.
     """
     n = scene_numbers(scene)
     if n.joint is None or scene.coupling.scheme != "auto" or scene.coupling.window != "auto":
         return scene, ()
-    if n.water.model not in PARTICLE_FLUIDS:
-        swing = math.inf if n.plate.frequency is None else 1.0 / (_WINDOWS_PER_PERIOD * n.plate.frequency)
-        rows = scene.end_time / probe_rows(scene)
-        window = _resting_window(scene, n, swing, rows) if n.water.model == "still" else min(swing, rows)
-        window = float(f"{window:.3g}")
-        lag = n.water.density * n.water.sound_speed * window / (n.plate.density * n.plate.thickness)
-        little = n.water.model == "still" or (scene.fluid.column.compressible and lag <= ALPHA_WARN)
-        scheme = "serial-explicit" if little else "serial-implicit"
-        update = {"scheme": scheme, "window": window}
-    elif n.water.boxed and n.joint.closes and n.joint.mass_ratio > 1.0:
+    if n.water.model == "still" and _rests(scene, n):
+        window = (scene.end_time - scene.output.average_from) / _ROWS_OF_A_MEAN
+        update = {"scheme": "serial-explicit", "window": float(f"{window:.3g}")}
+    elif n.water.model in PARTICLE_FLUIDS and n.water.boxed and n.joint.closes and n.joint.mass_ratio > 1.0:
         update = {"scheme": "serial-implicit", "acceleration": "iqn-ils"}
     else:
         return scene, ()
@@ -67,15 +58,12 @@ def coupled(scene: Scene) -> Varied:
     return changed, tuple(f"coupling.{key}={value}" for key, value in update.items())
 
 
-def _resting_window(scene: Scene, n: Numbers, swing: float, rows: float) -> float:
-    """The window [s] under water at rest, where windows of `swing` would resolve the plate's swing and of `rows` the
-    rows of probes: a mean needs no rows of its own, and only a few of a plate that has come to rest."""
-    measured = scene.end_time - scene.output.average_from
-    if scene.goal is None or scene.goal.statistic not in STEADY or measured <= 0.0:
-        return min(swing, rows)
+def _rests(scene: Scene, n: Numbers) -> bool:
+    """Whether under water at rest the goal is a mean over a time in which the plate has come to rest."""
+    if scene.goal is None or scene.goal.statistic not in STEADY or scene.end_time <= scene.output.average_from:
+        return False
     stiff = n.plate.deflection is None or n.plate.deflection < _STIFF * n.water.height
-    rests = stiff and (n.plate.frequency is None or swing_left(scene, n.plate) < _AT_REST)
-    return measured / _ROWS_OF_A_MEAN if rests else swing
+    return stiff and (n.plate.frequency is None or swing_left(scene, n.plate) < _AT_REST)
 
 
 def has_particles(scene: Scene) -> bool:

@@ -7,14 +7,13 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from coupler.preflight_shapes import outline
+from coupler.preflight_shapes import area, outline
 from shared.expected_speed import driven_speed, expected_speed, start_speed
 from shared.fluid_step import COURANT, fluid_step
 from shared.geometry import contains, distance_to
 from shared.kernels import kernel_named
 from shared.schema import Scene
 from shared.schema_fluid import Wall
-from shared.schema_geometry import Body
 
 MACH_AUTO = 0.1  # largest expected speed over the sound speed "auto"
 _BACKED = 0.75  # of dx: a wall or body this close behind the water's face holds it
@@ -98,12 +97,6 @@ def _fluid_particles(scene: Scene, support: float) -> float:
         edge = float(np.hypot(*np.diff(outline(body), axis=1)[:, 0].T).sum())
         count += min(area(body) / dx**2, edge / dx * layers)
     return count
-
-
-def area(body: Body) -> float:
-    """Area [m²] inside the outline, which has the body on its left."""
-    start, end = outline(body).transpose(1, 0, 2)
-    return 0.5 * float(np.sum(start[:, 0] * end[:, 1] - start[:, 1] * end[:, 0]))
 
 
 def _length(wall: Wall) -> float:

@@ -2,13 +2,18 @@
 
 from __future__ import annotations
 
+import math
+
 import numpy as np
 
 from coupler.preflight_numbers import Numbers
 from coupler.window import Plan, make_plan, mass_ratio
 from shared.contract import Description
+from shared.fluid_step import COURANT
 from shared.schema import Scene
+from shared.sides import probe_rows
 
+WINDOWS_PER_PERIOD = 20.0
 _NOWHERE = np.zeros((0, 2)), np.zeros(0), np.zeros(0, dtype=np.int64)
 
 
@@ -25,7 +30,16 @@ def expected_plan(scene: Scene, n: Numbers) -> Plan | None:
         Description("fluid", "fluid", w.model, min(w.step, scene.end_time), w.dx, *_NOWHERE, fluid),
         Description("solid", "structure", p.model, p.step, scene.solid.dx, *_NOWHERE, solid),
     )
-    return make_plan(scene.coupling, *sides, mass_ratio(scene, sides[1]))
+    return make_plan(scene.coupling, *sides, mass_ratio(scene, sides[1]), longest_window(scene, n))
+
+
+def longest_window(scene: Scene, n: Numbers) -> float:
+    """The longest automatic window [s]: a fluid without steps of its own takes windows that resolve the plate's swing
+    and the rows of probes."""
+    if n.joint is None or n.water.model in COURANT:
+        return math.inf
+    swing = math.inf if n.plate.frequency is None else 1.0 / (WINDOWS_PER_PERIOD * n.plate.frequency)
+    return min(swing, scene.end_time / probe_rows(scene))
 
 
 def expected_window(scene: Scene, n: Numbers) -> float | None:

@@ -18,6 +18,8 @@ from coupler.ledger import Ledger
 from coupler.mapping import Mapping, build_mapping
 from coupler.memory import recall, remember
 from coupler.prediction import Predictor
+from coupler.preflight_numbers import scene_numbers
+from coupler.preflight_window import longest_window
 from coupler.recording import recording
 from coupler.remote import Remote, RemoteError, Working
 from coupler.schemes import Coupled, probes
@@ -114,7 +116,8 @@ def couple(scene: Scene, fluid: Remote, structure: Remote, record: Record, last:
     mapping = build_mapping(described_structure, described_fluid)
     check_pressures(scene, described_structure, described_fluid)
     r = mass_ratio(scene, described_structure)
-    plan = make_plan(scene.coupling, described_fluid, described_structure, r)
+    longest = longest_window(scene, scene_numbers(scene))
+    plan = make_plan(scene.coupling, described_fluid, described_structure, r, longest)
     clock = Clock.fitting(scene.end_time, plan.window)
     record.preflight |= {
         "window": clock.window_length,

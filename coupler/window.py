@@ -84,8 +84,10 @@ def window_length(coupling: Coupling, fluid: Description, structure: Description
     return step * min(int(min(longest / step, _MOST_STEPS)), _MOST_STEPS) if longest > step else longest
 
 
-def make_plan(coupling: Coupling, fluid: Description, structure: Description, r: float) -> Plan:
-    """Scheme and window of a run; `r`: the mass ratio.
+def make_plan(
+    coupling: Coupling, fluid: Description, structure: Description, r: float, longest: float = math.inf
+) -> Plan:
+    """Scheme and window of a run; `r`: the mass ratio; `longest` [s]: that an automatic window may be.
 
     An automatic window that is iterated holds one fluid step. Longer ones take more iterations, so that the fluid steps
     more (by a fifth at two, by 30 to 50 % at four, on a rubber gate and cantilever_in_water), and a drop of water that
@@ -95,8 +97,10 @@ def make_plan(coupling: Coupling, fluid: Description, structure: Description, r:
     window = window_length(coupling, fluid, structure)
     step = fluid.stable_step / (1.0 + SPEED_UP)
     iterated = step if coupling.window == "auto" else coupling.window
+    if coupling.window == "auto":
+        window, iterated = min(window, longest), min(iterated, longest)
     if coupling.window == "auto" and fluid.model == "column" and rate > 0.0:
-        iterated = min(step, _COLUMN_ALPHA / rate)
+        iterated = min(iterated, _COLUMN_ALPHA / rate)
     if coupling.scheme != "auto":
         return Plan(
             coupling.scheme,
@@ -105,9 +109,11 @@ def make_plan(coupling: Coupling, fluid: Description, structure: Description, r:
         )
     if structure.model == "rigid":
         return Plan("serial-explicit", window, ["serial-explicit: the structure's motion is prescribed"])
+    if fluid.model == "still":
+        return Plan("serial-explicit", window, ["serial-explicit: water at rest answers to places alone"])
     response = min(0.5 * rate * window, r) if rate > 0.0 else r
     numbers = f"α = {rate * window:.3g}, r = {r:.3g}, expected response of the load to itself {response:.2g}"
-    if coupling.window == "auto" and window < _SHORTEST * step and r > 0.5 * LARGEST_ALPHA:
+    if coupling.window == "auto" and rate > 0.0 and window < _SHORTEST * step and r > 0.5 * LARGEST_ALPHA:
         why = (
             f"explicit exchange with α at most {LARGEST_ALPHA:g} would need a window of {window / step:.2g} fluid "
             f"steps (r = {r:.3g}); iterating over whole steps costs less"

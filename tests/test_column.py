@@ -7,11 +7,12 @@ import itertools
 import numpy as np
 import pytest
 
+from coupler.run import run_coupled
 from fluid_solver.delay_line import DelayLine
 from fluid_solver.models import make_model
 from shared.contract import BadInput, Kinematics
 from shared.scene import load_scene
-from tests.coupled_models import piston
+from tests.coupled_models import couple, piston
 
 AROUND = [[-0.1, -0.1], [1.1, -0.1], [1.1, 0.2], [1.0, 0.2], [1.0, 0.0], [0.0, 0.0], [0.0, 0.2], [-0.1, 0.2]]
 RHO, C, LENGTH, HEIGHT = 1000.0, 50.0, 1.0, 0.2
@@ -79,6 +80,78 @@ def test_incompressible_water_is_a_mass():
     forces, pressures = swung(model, times, lambda t: t**2, lambda t: 2.0 * t, lambda t: 2.0)
     np.testing.assert_allclose(forces[:, 0], -RHO * LENGTH * HEIGHT * 2.0)
     np.testing.assert_allclose(pressures, RHO * LENGTH * 2.0)
+
+
+PLATE = """
+schema = 1
+title = "1 m of water on a plate a twenty-fifth of its weight"
+end_time = 0.15
+gravity = [0.0, -9.81]
+[fluid]
+model = "column"
+dx = 0.02
+bodies = [{ name = "water", rectangle = [0.0, 0.0, 0.4, 1.0] }]
+column = { far_end = "open", compressible = false }
+[solid]
+model = "beam"
+dx = 0.01
+density = 2000.0
+youngs_modulus = 2.1e9
+poisson_ratio = 0.3
+bodies = [{ name = "plate", rectangle = [0.0, -0.02, 0.4, 0.0] }]
+clamps = [{ body = "plate", face = "left" }, { body = "plate", face = "right" }]
+"""
+
+
+@pytest.mark.parametrize("window", [3e-4, 1e-3, 3e-3])
+@pytest.mark.parametrize(("model", "error"), [("beam", 0.06), ("total-lagrangian", 0.09)])  # this one 4 across
+def test_incompressible_water_holds_on_a_plate_whatever_the_window(tmp_path, model, error, window):
+    """It swings about q L⁴/(720 D), the mean deflection, from 0 to twice that: no mode of the plate is driven."""
+    path = tmp_path / "plate.toml"
+    path.write_text(PLATE)
+    scene = load_scene(path, [f"solid.model={model}", f"coupling.window={window}", "solid.dx=5e-3"])
+    moved = couple(scene, along=(0.0, 1.0)).points
+    stiffness = 2.1e9 * 0.02**3 / (12.0 * (1.0 - 0.3**2))
+    static = (1000.0 * 1.0 + 2000.0 * 0.02) * 9.81 * 0.4**4 / (720.0 * stiffness)
+    assert -2.2 * static < moved.min() < -1.8 * static
+    assert moved.max() < 0.1 * static
+    assert np.mean(moved) == pytest.approx(-static, rel=error)
+
+
+SPRUNG = """
+schema = 1
+title = "1 m of water on a sprung block"
+end_time = 0.9
+gravity = [0.0, -9.81]
+[fluid]
+model = "column"
+dx = 0.05
+bodies = [{ name = "water", rectangle = [0.0, 0.0, 0.2, 1.0] }]
+column = { far_end = "open", compressible = false }
+[solid]
+model = "spring"
+dx = 0.05
+density = 2000.0
+spring = { stiffness = [1e9, 5e4, 1e9], damping = [0.0, 0.0, 0.0] }
+bodies = [{ name = "block", rectangle = [0.0, -0.1, 0.2, 0.0] }]
+[output]
+probe_interval = 0.01
+[[probes]]
+name = "y"
+quantity = "displacement-y"
+body = "block"
+point = [0.1, 0.0]
+"""
+
+
+def test_an_automatic_window_resolves_the_swing_and_the_rows(tmp_path):
+    """T = 2π √((m + ρ L b)/k) = 0.435 s: a spring that the water does not push against has no say."""
+    path = tmp_path / "sprung.toml"
+    path.write_text(SPRUNG)
+    run = run_coupled(load_scene(path), "sprung", tmp_path / "run", {"fluid": 1, "solid": 1}, True, "inprocess")
+    assert run.result["preflight"]["window"] <= 0.01
+    assert run.result["probes"]["y"]["min"] == pytest.approx(-2.0 * 240.0 * 9.81 / 5e4, rel=1e-3)
+    assert run.result["probes"]["y"]["t_min"] % 0.4353 == pytest.approx(0.2177, abs=0.006)
 
 
 def test_water_at_rest_weighs_what_it_weighs_and_shows_its_pressure():

@@ -9,6 +9,7 @@ import pytest
 from coupler.preflight import preflight
 from shared.plain import plain
 from shared.scene import load_scene
+from tests.test_column import SPRUNG
 
 HEAD = """\
 schema = 1
@@ -113,6 +114,14 @@ def test_the_same_sheet_swinging_needs_water_that_moves(tmp_path):
     reasons = {rung.fluid: rung.reason for rung in found.ladder if rung.solid == "beam"}
     assert "mass of the water" in reasons["still"]
     assert found.choice is None or found.choice.fluid in ("wcsph", "ctvf")
+
+
+def test_columns_are_not_replaced_by_particles_that_no_wall_holds(tmp_path):
+    text = SPRUNG[SPRUNG.index("[fluid]") :] + '[goal]\nprobe = "y"\nstatistic = "min"\nerror = 0.1\n'
+    ladder = report(tmp_path, text).ladder
+    cannot = {rung.fluid: rung.reason for rung in ladder if rung.standing == "cannot"}
+    assert "nothing holds the water; add [[walls]]" in cannot["wcsph"]
+    assert "nothing holds the water; add [[walls]]" in cannot["ctvf"]
 
 
 def test_without_the_sheet_held_up_the_water_falls(tmp_path):

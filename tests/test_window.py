@@ -60,6 +60,13 @@ def test_an_iterated_window_holds_one_fluid_step(scheme):
     assert make_plan(Coupling(scheme=scheme, window=0.01), *sides(1e-4, 0.001), r=100.0).window == 0.01
 
 
+@pytest.mark.parametrize("scheme", ["auto", "serial-implicit"])
+def test_no_automatic_window_is_longer_than_the_longest(scheme):
+    heavy = sides(1.0, 1.0)
+    assert make_plan(Coupling(scheme=scheme), *heavy, r=0.01, longest=1e-3).window <= 1e-3
+    assert make_plan(Coupling(scheme=scheme, window=0.01), *heavy, r=0.01, longest=1e-3).window == 0.01
+
+
 def test_an_iterated_window_on_columns_resolves_the_plate():
     fluid, solid = sides(1e-3, 0.001)
     plan = make_plan(Coupling(scheme="serial-implicit"), replace(fluid, model="column"), solid, r=100.0)
