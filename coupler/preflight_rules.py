@@ -20,7 +20,16 @@ from coupler.preflight_rules_joint import (
     window_number,
 )
 from coupler.preflight_rules_plate import across, cauchy, courant_solid, poisson, printed_gradient, slenderness
-from coupler.preflight_rules_water import courant_fluid, falls_out, froude, mach, neighbours, start_up, water_across
+from coupler.preflight_rules_water import (
+    courant_fluid,
+    falls_out,
+    froude,
+    mach,
+    neighbours,
+    start_up,
+    viscosity,
+    water_across,
+)
 from shared.schema import Scene
 
 RULES: tuple[Rule, ...] = (
@@ -39,6 +48,7 @@ RULES: tuple[Rule, ...] = (
     courant_solid,
     water_across,
     neighbours,
+    viscosity,
     falls_out,
     start_up,
     poisson,

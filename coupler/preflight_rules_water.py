@@ -13,6 +13,9 @@ from shared.schema_geometry import Domain
 MACH_WARN, MACH_REFUSE = 0.2, 0.5  # density varies by Ma²: 4 %, a quarter
 MACH_IDLE = 0.02  # five times the usual sound speed, and as many steps, for a density that varies by 0.04 %
 FASTEST_SOUND = 5000.0  # m/s: no liquid's is faster, so that an artificial one above it follows from a wrong number
+ARTIFICIAL = 0.05  # of the fluid's own viscosity
+CREEPING = 50.0  # Reynolds number below which viscous stress is all there is: a Couette flow at h/dx 1.3 is 10 % low
+WORN_OUT = 100.0  # dam_break has 450; a jet of 75 loses half of its energy on a plate
 WATER_ACROSS_WARN = 8.0
 H_OVER_DX = {"wendland-c2": (1.0, 3.0), "quintic-spline": (0.9, 1.6)}  # fewer: noise; more: pairs
 LOOSE = 3.5  # support over dx from which a lattice is loose enough for small waves
@@ -90,6 +93,31 @@ def neighbours(scene: Scene, n: Numbers) -> Finding | None:
         return Finding("h/dx", value, "warn", "too few neighbours", "fluid.h_over_dx = 1.3 (quintic-spline: 1.0)")
     pairs = "particles pair up" if kernel == "quintic-spline" else "falling water gets into walls and gains energy"
     return Finding("h/dx", value, "warn", pairs, "fluid.h_over_dx = 1.3 (quintic-spline: 1.0)")
+
+
+def viscosity(scene: Scene, n: Numbers) -> Finding | None:
+    """Reynolds number of the flow by its own viscosity, and by the artificial one, ν = α h c0/8: where the artificial
+    one counts beside the fluid's own, or wears a jet out, and where own stresses rest on too few neighbours."""
+    if not of_particles(n) or n.water.rests:
+        return None
+    w, own = n.water, scene.fluid.viscosity
+    artificial = scene.fluid.alpha * w.h * w.sound_speed / 8.0
+    if w.speed == 0.0 or own == artificial == 0.0:
+        return None
+    g = math.hypot(*scene.gravity)
+    speed = min(w.speed, g * w.width**2 / (8.0 * own)) if own > 0.0 and g > 0.0 else w.speed
+    value = speed * w.width / max(own, artificial)
+    reason = f"up to {speed:.3g} m/s, {w.width:.3g} m wide, ν = {max(own, artificial):.3g} m²/s"
+    if own > 0.0 and artificial > ARTIFICIAL * own:
+        why = f"{reason}: artificial viscosity, {artificial:.2g} m²/s, counts beside the fluid's own {own:.3g}"
+        return Finding("Reynolds", value, "warn", why, "fluid.alpha = 0")
+    if own > 0.0 and value < CREEPING and w.support < LOOSE * w.dx:
+        why = f"{reason}: viscous stresses of so few neighbours are a tenth too small, at any dx"
+        return Finding("Reynolds", value, "warn", why, "fluid.h_over_dx = 2.0 (1 %), 3.0 (a fraction)")
+    if own == 0.0 and value < WORN_OUT:
+        why = f"{reason}, all of it artificial: the flow loses its energy on a way of some widths"
+        return Finding("Reynolds", value, "warn", why, f"fluid.alpha = {scene.fluid.alpha * value / 500.0:.2g}")
+    return Finding("Reynolds", value, "ok", reason)
 
 
 def falls_out(scene: Scene, n: Numbers) -> Finding | None:

@@ -9,8 +9,8 @@ and g the one that arrives there, c the sound speed, τ = 2L/c and R the far end
 Both are integrated over a window exactly: with F = ∫f dt and x the face's displacement, F(t) = ρ c x(t) + R F(t − τ),
 so that the impulse on the face is ρ c Δx + 2R ΔF(t − τ), whatever the number of steps. The waves' memory is in
 delay_line.py.
-Under a structure that deforms, incompressible water takes the speed of its foot at a window's end from places there
-and at the ends before, v = (3 x − 4 x₋₁ + x₋₂)/2Δt (BDF2), and v̇ from these speeds. Modes of the structure that are
+Under a structure that deforms, incompressible water takes the speed of its foot at a window's end from the mean speeds
+of that window and the one before, v = (3 v̄ − v̄₋₁)/2 (BDF2), and v̇ from these speeds. Modes of the structure that are
 faster than a window show any phase at its ends: their own speeds there would drive them, places let them die out.
 
 Hydrostatic pressure at rest is added; the columns do not speak to each other (piston theory).
@@ -59,7 +59,7 @@ class Columns:
         self._time = np.zeros(1)
         self._face = np.zeros((3, count))  # displacement into the water, speed and acceleration at the window's end
         self._follows = not self._lines and scene.solid.model not in RIGID_MODELS  # speeds are taken from places
-        self._before = np.zeros(count)  # displacement at the start of the window
+        self._mean_speed = np.zeros(count)  # in the last window
         self._pressure = self._static.copy()
         self._force = self._on_face(self._static)
         self._steps = 0
@@ -92,7 +92,7 @@ class Columns:
         for k, line in enumerate(self._lines):
             speed = self._face[1, self._own[k]]
             line.append(0.0, np.zeros_like(speed), self._rho * self._c * speed)
-        self._before[:] = np.nan  # there is none
+        self._mean_speed = self._face[1].copy()
         self._pressure = self._static + (self._rho * self._c * self._face[1] if self._lines else self._inertia())
         self._force = self._on_face(self._pressure)
         return Loads(self._pressure, self._force)
@@ -123,7 +123,7 @@ class Columns:
     def state(self) -> dict[str, np.ndarray]:
         """Everything that the future depends on."""
         result = {"time": self._time, "face": self._face, "pressure": self._pressure, "force": self._force}
-        result["before"] = self._before
+        result["mean_speed"] = self._mean_speed
         for k, line in enumerate(self._lines):
             result[f"waves_{k}"] = line.state()
         return result
@@ -132,7 +132,7 @@ class Columns:
         """Back to a `state`, bit for bit."""
         self._time, self._face = np.copy(state["time"]), np.copy(state["face"])
         self._pressure, self._force = np.copy(state["pressure"]), np.copy(state["force"])
-        self._before = np.copy(state["before"])
+        self._mean_speed = np.copy(state["mean_speed"])
         for k, line in enumerate(self._lines):
             line.restore(state[f"waves_{k}"])
 
@@ -186,11 +186,9 @@ class Columns:
 
     def _followed(self, place: np.ndarray, length: float) -> tuple[np.ndarray, np.ndarray]:
         """Speed at the end of a window of `length` [s] that ends at `place` (n,) [m], and mean acceleration in it."""
-        here, speed, _ = self._face
-        before = np.where(np.isnan(self._before), here - length * speed, self._before)
-        self._before = here.copy()
-        found = (3.0 * place - 4.0 * here + before) / (2.0 * length)
-        return found, (found - speed) / length
+        before, self._mean_speed = self._mean_speed, (place - self._face[0]) / length
+        found = 1.5 * self._mean_speed - 0.5 * before
+        return found, (found - self._face[1]) / length
 
     def _waves(self, t0: float, t1: float, substeps: int, start: np.ndarray, end: np.ndarray) -> np.ndarray:
         """Send the window's waves off; the impulse ∫(f + g) dt (n,) per length of face."""
