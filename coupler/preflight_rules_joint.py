@@ -92,14 +92,14 @@ def support(scene: Scene, n: Numbers) -> Finding | None:
     if n.plate is None or not of_particles(n):
         return None
     value = n.plate.thickness / n.water.support
-    verdict = below(value, SUPPORT_WARN, SUPPORT_REFUSE)
+    faced = n.joint is not None and scene.coupling.loads == "pressure"  # over faces that feel their own side alone
+    verdict = below(value, SUPPORT_WARN, SUPPORT_WARN if faced else SUPPORT_REFUSE)
     reason = f"support {n.water.support:.3g} m, plate {n.plate.thickness:.3g} m"
     if verdict == "ok":
         return Finding("thickness/support", value, verdict, reason)
     finer = n.water.dx * value
-    return Finding(
-        "thickness/support", value, verdict, f"{reason}: water sees water through it", f"fluid.dx = {finer:.3g}"
-    )
+    way_out = f"fluid.dx = {finer:.3g}" + (", or coupling.loads = force" if faced else "")
+    return Finding("thickness/support", value, verdict, f"{reason}: water sees water through it", way_out)
 
 
 def ghost_acceleration(scene: Scene, n: Numbers) -> Finding | None:
