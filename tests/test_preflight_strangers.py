@@ -3,10 +3,13 @@
 from __future__ import annotations
 
 import json
+import math
 
 import pytest
 
 from coupler.preflight import preflight
+from coupler.preflight_error import error_parts
+from coupler.preflight_numbers import scene_numbers
 from shared.plain import plain
 from shared.scene import load_scene
 from tests.test_column import SPRUNG
@@ -155,3 +158,13 @@ def test_other_materials_and_depths_do_not_break_it(tmp_path, density, depth, mo
     found = report(tmp_path, STEEL_SIDE.replace("GOAL", "mean"), *sets)
     assert found.cost.core_s > 0.0
     assert found.verdict in ("ok", "warn", "refuse")
+
+
+def test_a_plate_that_water_nearly_carries_feels_more_of_its_error(tmp_path):
+    """Buoyancy leaves 800 of 1800 kg/m³, and 100 of 1100: its error counts 1.25 and 10 times."""
+    bounds = {}
+    for density in (1800.0, 1100.0, 1000.0):
+        scene = load_scene("cantilever_in_water", [f"solid.density={density}"])
+        bounds[density] = error_parts(scene, scene_numbers(scene))[f"fluid {scene.fluid.model}"]
+    assert bounds[1100.0] == pytest.approx(8.0 * bounds[1800.0], rel=0.01)
+    assert math.isinf(bounds[1000.0])
