@@ -14,6 +14,7 @@ from shared.geometry import contains, distance_to
 from shared.kernels import kernel_named
 from shared.schema import Scene
 from shared.schema_fluid import Wall
+from shared.wall_chains import segments_of
 
 MACH_AUTO = 0.1  # largest expected speed over the sound speed "auto"
 _BACKED = 0.75  # of dx: a wall or body this close behind the water's face holds it
@@ -164,6 +165,5 @@ def edge_samples(bodies, dx: float) -> tuple[np.ndarray, np.ndarray]:
 
 def _faces_behind(scene: Scene) -> list[np.ndarray]:
     """Segments (k, 2, 2) of the walls and of the solid's bodies."""
-    chains = [np.asarray([*w.polyline, w.polyline[0]] if w.closed else w.polyline, dtype=float) for w in scene.walls]
-    walls = [np.stack([corners[:-1], corners[1:]], axis=1) for corners in chains]
+    walls = [segments_of(wall) for wall in scene.walls]
     return walls + [outline(body) for body in (scene.solid.bodies if scene.solid else [])]

@@ -6,7 +6,6 @@ and stands lower, at depth d = (c²/g) ln(1 + g D/c²) below its own settled top
 
 from __future__ import annotations
 
-import itertools
 import math
 from dataclasses import dataclass
 
@@ -19,8 +18,8 @@ from shared.contract import BadInput
 from shared.expected_speed import NO_SPEED, expected_speed
 from shared.geometry import contains, distance_to, fill, ghosts, outline, wall_particles
 from shared.schema import Scene
-from shared.schema_fluid import Wall
 from shared.schema_geometry import Body
+from shared.wall_chains import chains, segments_of
 
 MACH = 0.1  # largest expected speed over the automatic sound speed: density varies by 1 %
 CLEAR = 0.25  # of dx: fluid laid nearer to a face is moved off it; on the face it would start at the wrong pressure
@@ -104,8 +103,7 @@ def shaken(position: np.ndarray, size: float) -> np.ndarray:
 
 def wetted_faces(scene: Scene) -> np.ndarray:
     """Faces of all walls and solid bodies as segments (k, 2, 2) [m] with the fluid on the left of start → end."""
-    chains = [np.array([*w.polyline, w.polyline[0]] if w.closed else w.polyline, dtype=float) for w in scene.walls]
-    walls = [np.stack([corners[:-1], corners[1:]], axis=1) for corners in chains]
+    walls = [segments_of(wall) for wall in scene.walls]
     bodies = [outline(body)[:, ::-1] for body in (scene.solid.bodies if scene.solid else [])]
     return np.concatenate([*walls, *bodies, np.empty((0, 2, 2))])
 
@@ -148,15 +146,16 @@ def lay_ghosts(scene: Scene, support: float) -> Ghosts:
     dx = scene.fluid.dx
     bodies = scene.solid.bodies if scene.solid else []
     parts = []
-    for index, wall in enumerate(scene.walls):
-        layers = wall_particles(wall, dx, support)
+    faces = {k: chain.segments for chain in chains(scene.walls, dx) for k in chain.owner}
+    for index, (wall, layers) in enumerate(zip(scene.walls, wall_particles(scene.walls, dx, support), strict=True)):
         keep = within_period(scene, layers.position)
         for body in bodies:
             keep &= ~contains(body, layers.position)
             keep &= distance_to(outline(body), layers.position) >= OWNED * dx
         kind = FREE_SLIP if wall.slip == "free" else NO_SLIP
         position = layers.position[keep]
-        parts.append(_part(position, layers.volume[keep], kind, index, wall_normal(wall, position)))
+        face = prolonged(segments_of(wall), 2.0 * support) if wall.surface_speed else faces[index]
+        parts.append(_part(position, layers.volume[keep], kind, index, wall_normal(face, position)))
     for index, body in enumerate(bodies):
         dry = [clamp.face for clamp in scene.solid.clamps if clamp.body == body.name]
         inside = ghosts(body, dx, support, dry)
@@ -168,12 +167,24 @@ def lay_ghosts(scene: Scene, support: float) -> Ghosts:
     return Ghosts(*(np.concatenate(column) for column in zip(*parts, strict=True)))
 
 
-def wall_normal(wall: Wall, points: np.ndarray) -> np.ndarray:
-    """Unit vectors (n, 2) from the nearest point of the wall's polyline to each of `points` (n, 2)."""
-    corners = np.asarray([*wall.polyline, wall.polyline[0]] if wall.closed else wall.polyline, dtype=float)
+def prolonged(segments: np.ndarray, length: float) -> np.ndarray:
+    """`segments` (k, 2, 2) of a face with its ends, unless they meet, moved on by `length` [m]: a face that slides past
+    a corner which it forms with another wall slides straight on there."""
+    longer = segments.copy()
+    if not np.array_equal(segments[0, 0], segments[-1, 1]):
+        for corner, along in (
+            (longer[0, 0], segments[0, 0] - segments[0, 1]),
+            (longer[-1, 1], segments[-1, 1] - segments[-1, 0]),
+        ):
+            corner += length * along / math.hypot(*along)
+    return longer
+
+
+def wall_normal(face: np.ndarray, points: np.ndarray) -> np.ndarray:
+    """Unit vectors (n, 2) from the nearest point of a face (k, 2, 2) to each of `points` (n, 2)."""
     nearest = np.full(len(points), np.inf)
     normal = np.zeros_like(points)
-    for start, end in itertools.pairwise(corners):
+    for start, end in face:
         along = np.clip((points - start) @ (end - start) / np.sum((end - start) ** 2), 0.0, 1.0)
         arm = points - start - along[:, None] * (end - start)
         distance = np.hypot(*arm.T)

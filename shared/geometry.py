@@ -17,6 +17,7 @@ from scipy.spatial import cKDTree
 from shared.regions import area, axes_of, contains, distance_to, faces, outline, own_box, turn
 from shared.schema_fluid import Wall
 from shared.schema_geometry import Shape
+from shared.wall_chains import Chain, chains
 
 __all__ = [
     "Particles",
@@ -82,75 +83,108 @@ def ghosts(shape: Shape, dx: float, depth: float, dry: Sequence[str]) -> Particl
     return Particles(lattice.position[near], lattice.volume[near], lattice.spacing, lattice.axes)
 
 
-def wall_particles(wall: Wall, dx: float, depth: float) -> Particles:
-    """Ghost layers behind a wall: at (k + 1/2) dx to the right of the polyline for all (k + 1/2) dx < `depth`
-    [m].
+def wall_particles(walls: Sequence[Wall], dx: float, depth: float) -> list[Particles]:
+    """Ghost layers behind each of the walls, at (k + 1/2) dx < `depth` [m] to the right of its polyline.
 
     Cell-centred along each segment, n = round(L/dx). Past a convex corner the layers run on to the corner's
     bisector, so that a rectangular tank whose sides are multiples of dx gets the global lattice. A particle
     is kept only if no other segment is nearer than its own: layers meet without overlap in reflex corners and
-    within thin baffles. At open ends the layers end with the polyline. `spacing` is (dx, dx): segments fit
-    theirs each.
+    within thin baffles. Walls that meet end to start (`wall_chains`) have the same corners as one polyline: each has
+    the particles of its own segments. Layers of a wall that stands on another's face end at that face, at other open
+    ends they end with the polyline. `spacing` is (dx, dx): segments fit theirs each.
     """
-    corners = np.asarray([*wall.polyline, wall.polyline[0]] if wall.closed else wall.polyline, dtype=float)
-    segments = np.stack([corners[:-1], corners[1:]], axis=1)
     layers = (np.arange(math.ceil(depth / dx)) + 0.5) * dx
     layers = layers[layers < depth]
-    position, volume = np.empty((0, 2)), np.empty(0)
-    for index in range(len(segments)):
-        own, cell = _segment_layers(segments, index, layers, dx, wall.closed)
-        if len(position) and len(own):
-            nearest, _ = cKDTree(position).query(own, distance_upper_bound=dx)
-            own = own[nearest > _TOO_CLOSE * dx]
-        position = np.concatenate([position, own])
-        volume = np.concatenate([volume, np.full(len(own), cell)])
-    return Particles(position, volume, (dx, dx), np.eye(2))
+    position = [np.empty((0, 2)) for _ in walls]
+    volume = [np.empty(0) for _ in walls]
+    for chain in chains(walls, dx):
+        laid = np.empty((0, 2))
+        for index, wall in enumerate(chain.owner):
+            own, cell = _segment_layers(chain, index, layers, dx)
+            if len(laid) and len(own):
+                nearest, _ = cKDTree(laid).query(own, distance_upper_bound=dx)
+                own = own[nearest > _TOO_CLOSE * dx]
+            laid = np.concatenate([laid, own])
+            position[wall] = np.concatenate([position[wall], own])
+            volume[wall] = np.concatenate([volume[wall], np.full(len(own), cell)])
+    return [Particles(p, v, (dx, dx), np.eye(2)) for p, v in zip(position, volume, strict=True)]
 
 
-def _segment_layers(
-    segments: np.ndarray, index: int, layers: np.ndarray, dx: float, closed: bool
-) -> tuple[np.ndarray, float]:
-    """Layer particles (n, 2) [m] of one segment of a wall, cut at its corners; the volume [m²] of each."""
-    start, end = segments[index]
+def _segment_layers(chain: Chain, index: int, layers: np.ndarray, dx: float) -> tuple[np.ndarray, float]:
+    """Layer particles (n, 2) [m] of one segment of a chain, cut at its corners; the volume [m²] of each."""
+    start, end = chain.segments[index]
     length = np.hypot(*(end - start))
     direction = (end - start) / length
     right = np.array([direction[1], -direction[0]])
     count = max(1, math.floor(length / dx + 0.5))
     spacing = length / count
-    before = segments[index - 1] if index > 0 or closed else None
-    after = segments[(index + 1) % len(segments)] if index + 1 < len(segments) or closed else None
-    first = -_overrun(before, segments[index], layers[-1], spacing)
-    last = count + _overrun(segments[index], after, layers[-1], spacing)
+    before, after = _cuts(chain, index)
+    first = -_columns(before, layers[-1], spacing)
+    last = count + _columns(after, layers[-1], spacing)
     along = (np.arange(first, last) + 0.5) * spacing
     d, s = np.meshgrid(layers, along)
     d, s = d.ravel(), s.ravel()
     points = start + s[:, None] * direction + d[:, None] * right
     tie = 1e-6 * dx
-    keep = distance_to(segments, points) >= d - tie
+    keep = distance_to(chain.segments, points) >= d - tie
     if before is not None:
-        keep &= (points - start) @ _across_bisector(before, segments[index]) > -_OVERLAP * dx
+        keep &= (points - start) @ before.across > -before.reach * dx
     if after is not None:
-        keep &= (points - end) @ _across_bisector(segments[index], after) <= tie
+        keep &= (points - end) @ after.across <= tie
     return points[keep], float(spacing * dx)
 
 
-def _overrun(before: np.ndarray | None, after: np.ndarray | None, depth: float, spacing: float) -> int:
-    """Number of columns by which layers run on past the corner of two segments; none unless it turns left."""
-    if before is None or after is None:
-        return 0
+@dataclass(frozen=True)
+class _Cut:
+    """Where layers end at one end of a segment.
+
+    `across` (2,): unit vector across the cut, along the walk; `overrun`: how far, over the depth, the layers run on
+    past the segment; `reach`: how far, over dx, they begin before the cut.
+    """
+
+    across: np.ndarray
+    overrun: float
+    reach: float
+
+
+def _cuts(chain: Chain, index: int) -> tuple[_Cut | None, _Cut | None]:
+    """Cuts at the start and at the end of a segment; None: layers end with the segment."""
+    segments, count = chain.segments, len(chain.segments)
+    here = segments[index]
+    if index > 0 or chain.closed:
+        before = _bisector(segments[index - 1], here)
+    else:
+        before = None if chain.foot is None else _face_cut(here, chain.foot, 1.0)
+    if index + 1 < count or chain.closed:
+        return before, _bisector(here, segments[(index + 1) % count])
+    return before, None if chain.head is None else _face_cut(here, chain.head, -1.0)
+
+
+def _bisector(before: np.ndarray, after: np.ndarray) -> _Cut:
+    """The cut along the bisector of a corner; layers run on to it unless it turns right."""
     a, b = _unit(before), _unit(after)
+    mean = a + b
+    length = np.hypot(*mean)
+    across = mean / length if length > 1e-9 else a
     cross, dot = a[0] * b[1] - a[1] * b[0], a @ b
     if cross <= 0.0 and dot > -1.0 + 1e-12:
+        return _Cut(across, 0.0, _OVERLAP)
+    return _Cut(across, float(np.tan(0.5 * np.arctan2(abs(cross), dot))), _OVERLAP)
+
+
+def _face_cut(segment: np.ndarray, face: np.ndarray, sense: float) -> _Cut:
+    """The cut along a `face` on which `segment` stands; `sense`: 1 where it starts there, -1 where it ends."""
+    along, face_along = _unit(segment), _unit(face)
+    right = np.array([along[1], -along[0]])
+    up = np.array([-face_along[1], face_along[0]])
+    return _Cut(sense * up, max(0.0, float(right @ up / abs(along @ up))), 0.0)
+
+
+def _columns(cut: _Cut | None, depth: float, spacing: float) -> int:
+    """Number of columns by which layers run on past the end of their segment."""
+    if cut is None or cut.overrun == 0.0:
         return 0
-    half_tangent = np.tan(0.5 * np.arctan2(abs(cross), dot))
-    return math.ceil(depth * min(half_tangent, _LONGEST_MITRE) / spacing + 0.5)
-
-
-def _across_bisector(before: np.ndarray, after: np.ndarray) -> np.ndarray:
-    """Unit vector (2,) across the bisector of a corner, from the earlier segment to the later one."""
-    mean = _unit(before) + _unit(after)
-    length = np.hypot(*mean)
-    return mean / length if length > 1e-9 else _unit(before)
+    return math.ceil(depth * min(cut.overrun, _LONGEST_MITRE) / spacing + 0.5)
 
 
 def _unit(segment: np.ndarray) -> np.ndarray:

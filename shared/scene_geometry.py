@@ -182,17 +182,24 @@ def _cells_within(body: Body, dx: float, other: Body, dx_least: float) -> np.nda
     return points[distance_to(outline(other), points) > OVERLAP_TOLERANCE * dx_least]
 
 
+def _can_be_laid(wall: Wall, dx: float) -> bool:
+    lengths = _lengths(wall)
+    return bool(lengths.min() >= _SHORTEST * dx and _WALL_DEPTH * lengths.sum() / dx <= MOST_CELLS)
+
+
 def _behind_walls(scene: Scene) -> Iterator[str]:
     """Fluid that stands within a wall's ghost layers, mostly because the polyline is walked the wrong way."""
-    for i, wall, dx in _walls(scene):
-        lengths = _lengths(wall)
-        if lengths.min() < _SHORTEST * dx or _WALL_DEPTH * lengths.sum() / dx > MOST_CELLS:
-            continue
-        layers = cKDTree(wall_particles(wall, dx, _WALL_DEPTH * dx).position)
+    walls = [(i, wall) for i, wall, dx in _walls(scene) if _can_be_laid(wall, dx)]
+    if not walls:
+        return
+    dx = scene.fluid.dx
+    layers = wall_particles([wall for _, wall in walls], dx, _WALL_DEPTH * dx)
+    for (i, wall), ghosts in zip(walls, layers, strict=True):
+        tree = cKDTree(ghosts.position)
         for path, body, _ in _bodies(scene):
             if path.startswith("fluid"):
                 position = fill(body, dx).position
-                near = layers.query(position, distance_upper_bound=_NEAR_WALL * dx)[0] < np.inf
+                near = tree.query(position, distance_upper_bound=_NEAR_WALL * dx)[0] < np.inf
                 if near.any():
                     x, y = position[near][0]
                     yield (

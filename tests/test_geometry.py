@@ -134,7 +134,7 @@ def test_distance_is_to_the_segment_not_to_its_line():
 def test_tank_gets_the_global_lattice():
     dx, n = 0.05, 3
     wall = Wall(name="tank", polyline=[(0, 1), (0, 0), (2, 0), (2, 1)])
-    got = wall_particles(wall, dx, n * dx)
+    (got,) = wall_particles([wall], dx, n * dx)
     i, j = np.meshgrid(np.arange(-n, 40 + n), np.arange(-n, 20))
     outside = (i < 0) | (i >= 40) | (j < 0)
     expected = np.c_[i[outside] + 0.5, j[outside] + 0.5] * dx
@@ -150,7 +150,7 @@ def test_baffle_is_filled_once(width):
     """
     dx = 0.05
     box = Wall(name="box", polyline=[(0, 0), (0, 1), (width, 1), (width, 0)], closed=True)
-    got = wall_particles(box, dx, 4 * dx)
+    (got,) = wall_particles([box], dx, 4 * dx)
     assert contains(Shape(rectangle=(0, 0, width, 1)), got.position).all()
     assert len(rounded(got.position, dx)) == len(got.position)
     hollow = max(0.0, width - 8 * dx) * (1 - 8 * dx)
@@ -162,7 +162,7 @@ def test_corners_at_any_angle_neither_overlap_nor_gape(turn):
     dx, depth = 0.02, 0.1
     end = np.array([1 + np.cos(np.radians(turn)), np.sin(np.radians(turn))])
     wall = Wall(name="bend", polyline=[(0, 0), (1, 0), tuple(end)])
-    p = wall_particles(wall, dx, depth).position
+    p = wall_particles([wall], dx, depth)[0].position
     apart = np.sqrt(((p[:, None] - p[None]) ** 2).sum(-1)) + np.eye(len(p))
     assert apart.min() >= 0.5 * dx
     rng = np.random.default_rng(3)
@@ -178,7 +178,7 @@ def test_corners_at_any_angle_neither_overlap_nor_gape(turn):
 
 
 def test_open_ends_end_with_the_polyline():
-    p = wall_particles(Wall(name="floor", polyline=[(0, 0), (1, 0)]), 0.1, 0.3).position
+    p = wall_particles([Wall(name="floor", polyline=[(0, 0), (1, 0)])], 0.1, 0.3)[0].position
     assert p[:, 0].min() == pytest.approx(0.05)
     assert p[:, 0].max() == pytest.approx(0.95)
     assert p[:, 1].max() == pytest.approx(-0.05)
