@@ -7,6 +7,7 @@ import numpy as np
 from fluid_solver.cells import COLUMNS, neighbour
 from fluid_solver.fields import FLUID, RHO, STRUCTURE, M, U, V, X, Y
 from fluid_solver.sampling import sample, surface_at
+from fluid_solver.wall_forces import WallForces
 from shared.jit import njit
 from shared.kernels import Kernel
 from shared.schema import Scene
@@ -27,6 +28,7 @@ class Observer:
     def __init__(self, scene: Scene, kernel: Kernel, c, ghosts, first: int, body: np.ndarray):
         self._kernel, self._c, self._ghosts, self._first, self._body = kernel.code, c, ghosts, first, body
         self._fluids = {b.name: k for k, b in enumerate(scene.fluid.bodies)}
+        self._wall_forces = WallForces(scene, ghosts)
         self._walls = {w.name: k for k, w in enumerate(scene.walls)}
         self._solids = {b.name: k for k, b in enumerate(scene.solid.bodies)} if scene.solid else {}
         self._probes = [p for p in scene.probes if self._is_mine(p)]
@@ -34,12 +36,12 @@ class Observer:
     def _is_mine(self, probe: Probe) -> bool:
         return probe.body not in self._solids or probe.quantity in _FORCES
 
-    def values(self, store, force: np.ndarray) -> dict[str, float]:
+    def values(self, store, force: np.ndarray, normal: np.ndarray) -> dict[str, float]:
         """Present value of every fluid probe, by name. `force` (ghosts, 2) [N/m]: of the fluid on each ghost, mean
-        over the last window."""
-        return {probe.name: float(self._value(probe, store, force)) for probe in self._probes}
+        over the last window; `normal` (ghosts, 2): present ones."""
+        return {probe.name: float(self._value(probe, store, force, normal)) for probe in self._probes}
 
-    def _value(self, probe: Probe, store, force: np.ndarray) -> float:
+    def _value(self, probe: Probe, store, force: np.ndarray, normal: np.ndarray) -> float:
         S, quantity = store.S[:, : store.count], probe.quantity
         kind = store.kind[: store.count]
         if quantity in _SAMPLED:
@@ -48,7 +50,7 @@ class Observer:
         if quantity == "elevation":
             return surface_at(S, kind, self._kernel, probe.point[0], store.grid, self._c) - probe.point[1]
         if quantity in _FORCES:
-            return force[self._owned_by(probe.body), _FORCES.index(quantity)].sum()
+            return self._force_on(probe.body, _FORCES.index(quantity), force, normal)
         if quantity == "clipped-impulse":
             return store.clipped.sum()
         if quantity == "leaked":
@@ -80,11 +82,11 @@ class Observer:
         at = order[first_connected(x, y, order, self._c.support)]
         return (x, y)[axis][at] + 0.5 * self._c.dx
 
-    def _owned_by(self, name: str) -> np.ndarray:
-        structure = self._ghosts.kind == STRUCTURE
-        if name in self._solids:
-            return structure & (self._ghosts.owner == self._solids[name])
-        return ~structure & (self._ghosts.owner == self._walls[name])
+    def _force_on(self, name: str, axis: int, force: np.ndarray, normal: np.ndarray) -> float:
+        if name in self._walls:
+            return self._wall_forces.on(self._walls[name], force, normal)[axis]
+        mine = (self._ghosts.kind == STRUCTURE) & (self._ghosts.owner == self._solids[name])
+        return force[mine, axis].sum()
 
 
 @njit

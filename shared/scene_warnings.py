@@ -11,13 +11,24 @@ from shared.geometry import fill, outline
 from shared.scene_geometry import WANTED_ACROSS, WANTED_ANISOTROPY, WANTED_RATIO, across
 from shared.scene_models import MODEL_WARNINGS
 from shared.schema import Scene
+from shared.wall_chains import crowds
 
 _SAFE_MACH = 0.2  # free-fall speed over sound speed above which water is visibly compressed
 
 
 def scene_warnings(scene: Scene) -> list[str]:
     """One sentence per doubt about a checked scene, each starting with the path."""
-    rules = (_anisotropy, _thin, _spacing_ratio, _walls, _dissipation, _sound_speed, _intervals, *MODEL_WARNINGS)
+    rules = (
+        _anisotropy,
+        _thin,
+        _spacing_ratio,
+        _walls,
+        _crowds,
+        _dissipation,
+        _sound_speed,
+        _intervals,
+        *MODEL_WARNINGS,
+    )
     return [warning for rule in rules for warning in rule(scene)]
 
 
@@ -57,6 +68,15 @@ def _walls(scene: Scene) -> Iterator[str]:
             yield f"walls[{i}]: '{wall.name}' has no effect without a fluid"
         elif wall.slip == "no" and scene.fluid.viscosity == 0.0:
             yield f'walls[{i}].slip = "no": has no effect with fluid.viscosity = 0'
+
+
+def _crowds(scene: Scene) -> Iterator[str]:
+    for group in crowds(scene.walls, scene.fluid.dx) if scene.fluid else []:
+        names = ", ".join(f"'{scene.walls[k].name}'" for k in group)
+        yield (
+            f"walls[{group[0]}]: {names} meet in one point, where the ghost layers of each end, as no two of them are "
+            "told to be one face; write those that are as one polyline, and let the third stand on it"
+        )
 
 
 def _dissipation(scene: Scene) -> Iterator[str]:

@@ -13,7 +13,7 @@ import numpy as np
 
 from shared.schema_fluid import Wall
 
-MEET = 0.02  # of dx: ends of walls nearer to each other, or to a face, are taken for one point
+MEET = 0.1  # of dx: ends of walls nearer to each other, or to a face, are taken for one point
 
 
 @dataclass(frozen=True)

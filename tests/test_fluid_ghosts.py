@@ -4,8 +4,10 @@ import numpy as np
 import pytest
 
 from fluid_solver.fields import AX, AY, FLUID, RHO, STRUCTURE, P, U, X, Y
+from fluid_solver.initial import lay_ghosts
 from fluid_solver.models import make_model
-from fluid_solver.motion import WallMotion, structure_pose
+from fluid_solver.motion import GhostMotion, WallMotion, structure_pose
+from fluid_solver.wall_forces import WallForces
 from shared.schema_geometry import Motion
 from tests.test_fluid_model import G, begun, fluid_rows, run, scene, tank
 
@@ -99,3 +101,69 @@ def test_a_lone_drop_of_spray_does_not_creep_into_a_wall(model_name):
     for k in range(20):
         run(model, 0.01, 1, 0.01 * k)
         assert fluid_rows(model, X)[0][0] > -0.002
+
+
+def bare_tank(walls, **fluid):
+    """Water at rest between `walls`, 0.2 m wide and 0.15 m deep."""
+    return scene([{"name": "water", "rectangle": (0.0, 0.0, 0.2, 0.15)}], walls, **fluid)
+
+
+CORNERS = [(0.0, 0.3), (0.0, 0.0), (0.2, 0.0), (0.2, 0.3)]
+SIDES = [{"name": name, "polyline": CORNERS[k : k + 2]} for k, name in enumerate(("left", "floor", "right"))]
+
+
+def test_a_tank_of_three_walls_is_the_tank_of_one_polyline():
+    """Same water to the byte; the floor bears the weight, the sides the hydrostatic push, nothing pulls along them."""
+    probes = [
+        {"name": f"{w['name']}_{axis}", "quantity": f"force-{axis}", "body": w["name"]} for w in SIDES for axis in "xy"
+    ]
+    three = begun(bare_tank(SIDES, probes=probes))
+    one = begun(bare_tank([{"name": "tank", "polyline": CORNERS}]))
+    run(three, 0.01)
+    run(one, 0.01)
+    assert fluid_rows(three, X, Y, P).tobytes() == fluid_rows(one, X, Y, P).tobytes()
+    found = three.probe_values()
+    weight, push = 1000.0 * G * 0.2 * 0.15, 0.5 * 1000.0 * G * 0.15**2
+    assert found["floor_y"] == pytest.approx(-weight, rel=5e-3)
+    assert found["left_x"] == pytest.approx(-push, rel=0.02)
+    assert found["right_x"] == pytest.approx(push, rel=0.02)
+    for along in ("left_y", "right_y", "floor_x"):
+        assert found[along] == pytest.approx(0.0, abs=2e-3 * weight)
+    total = three.force.sum(axis=0)
+    three._mean_force[...] = three.force
+    found = three.probe_values()
+    assert sum(found[f"{w['name']}_x"] for w in SIDES) == pytest.approx(total[0], abs=1e-9 * weight)
+    assert sum(found[f"{w['name']}_y"] for w in SIDES) == pytest.approx(total[1], rel=1e-12)
+
+
+@pytest.mark.parametrize("angle", [0.0, 30.0, 180.0])
+def test_a_push_along_a_walls_normal_is_that_walls_own_however_the_tank_is_turned(angle):
+    motion = {"times": [0.0, 1.0], "rotation": [0.0, angle]}
+    case = bare_tank([wall | {"motion": motion} for wall in SIDES])
+    ghosts = lay_ghosts(case, 0.026)
+    shares = WallForces(case, ghosts)
+    pose = GhostMotion(case, ghosts)
+    pose.to(1.0, 0.0, 1.0, None)
+    c, s = np.cos(np.radians(angle)), np.sin(np.radians(angle))
+    push = np.zeros_like(ghosts.position)
+    corner = (ghosts.position[:, 0] < 0.0) & (ghosts.position[:, 1] < 0.0)
+    assert set(ghosts.owner[corner]) == {0, 1}
+    push[corner] = [-c, -s]  # the normal of the left wall
+    assert shares.on(0, push, pose.pose[:, 6:]) == pytest.approx(push.sum(axis=0), rel=1e-9)
+    assert shares.on(1, push, pose.pose[:, 6:]) == pytest.approx([0.0, 0.0], abs=1e-9)
+    push[corner] = [s, -c]  # of the floor
+    assert shares.on(0, push, pose.pose[:, 6:]) == pytest.approx([0.0, 0.0], abs=1e-9)
+    assert shares.on(1, push, pose.pose[:, 6:]) == pytest.approx(push.sum(axis=0), rel=1e-9)
+
+
+def test_a_lid_slides_straight_past_the_corners_of_its_box():
+    box = [(0.0, 0.2), (0.0, 0.0), (0.2, 0.0), (0.2, 0.2)]
+    lid = {"name": "lid", "polyline": [(0.2, 0.2), (0.0, 0.2)], "slip": "no", "surface_speed": -1.0}
+    case = bare_tank([{"name": "box", "polyline": box, "slip": "no"}, lid], viscosity=1e-3)
+    ghosts = lay_ghosts(case, 0.026)
+    above = ghosts.position[ghosts.owner == 1]
+    assert above[:, 0].min() < 0.0
+    assert above[:, 0].max() > 0.2
+    speed = GhostMotion(case, ghosts).pose[:, 2:4]
+    assert speed[ghosts.owner == 1] == pytest.approx(np.tile([1.0, 0.0], (len(above), 1)), abs=1e-12)
+    assert not speed[ghosts.owner == 0].any()
