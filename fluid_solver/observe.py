@@ -28,7 +28,7 @@ class Observer:
     def __init__(self, scene: Scene, kernel: Kernel, c, ghosts, first: int, body: np.ndarray):
         self._kernel, self._c, self._ghosts, self._first, self._body = kernel.code, c, ghosts, first, body
         self._fluids = {b.name: k for k, b in enumerate(scene.fluid.bodies)}
-        self._wall_forces = WallForces(scene, ghosts)
+        self._wall_forces = WallForces(scene, ghosts, c.support)
         self._walls = {w.name: k for k, w in enumerate(scene.walls)}
         self._solids = {b.name: k for k, b in enumerate(scene.solid.bodies)} if scene.solid else {}
         self._probes = [p for p in scene.probes if self._is_mine(p)]

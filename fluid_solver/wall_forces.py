@@ -2,11 +2,13 @@
 
 The ghosts of a corner stand behind both of its walls, and are pushed along both normals. What pushes them is shared by
 direction: f = α n + β m, n and m the normals of the two walls; α n is the force on the first, β m that on the second.
-So water at rest pushes a free-slip wall along its normal only, and the sum over the walls is that over the ghosts.
+Ghosts of a floor behind a wall that stands on it are shared likewise. So water at rest pushes a wall along its normal
+only, and the sum over the walls is that over the ghosts.
 """
 
 from __future__ import annotations
 
+import itertools
 from collections.abc import Iterator
 from dataclasses import dataclass
 
@@ -16,15 +18,16 @@ from fluid_solver.fields import STRUCTURE
 from fluid_solver.initial import Ghosts
 from shared.geometry import distance_to
 from shared.schema import Scene
-from shared.wall_chains import chains
+from shared.wall_chains import Chain, Ground, chains
 
 _LEAST_SINE = 0.1  # of the turn at a corner: below, about 6°, and beyond 174°, each ghost's force is its owner's
+_ROUNDING = 1e-9  # of a distance
 
 
 @dataclass(frozen=True)
 class _Corner:
-    """Two walls' common ghosts: `walls`, `rows` (n,) of the ghosts, `first` (2, 2): takes a force to the first wall's
-    part of it, at rest."""
+    """Two walls' common ghosts. `walls`: in the order of the walk; `rows` (n,) of the ghosts; `first` (2, 2): takes a
+    force to the first wall's part of it, in the reference position."""
 
     walls: tuple[int, int]
     rows: np.ndarray
@@ -34,10 +37,11 @@ class _Corner:
 class WallForces:
     """What each wall bears of the forces on all ghosts."""
 
-    def __init__(self, scene: Scene, ghosts: Ghosts):
+    def __init__(self, scene: Scene, ghosts: Ghosts, support: float):
+        """`support` [m]: how far the fluid pushes."""
         self._owner = np.where(ghosts.kind == STRUCTURE, -1, ghosts.owner)
         self._normal = ghosts.normal
-        self._corners = list(_corners(scene, ghosts.position, self._owner))
+        self._corners = list(_corners(scene, ghosts.position, self._owner, support))
 
     def on(self, wall: int, force: np.ndarray, normal: np.ndarray) -> np.ndarray:
         """Force (2,) [N/m] on a wall. `force` (ghosts, 2) [N/m], `normal` (ghosts, 2): present ones."""
@@ -54,21 +58,47 @@ class WallForces:
         return total
 
 
-def _corners(scene: Scene, position: np.ndarray, owner: np.ndarray) -> Iterator[_Corner]:
+def _corners(scene: Scene, position: np.ndarray, owner: np.ndarray, support: float) -> Iterator[_Corner]:
     """Corners of unlike walls that have ghosts which both walls share."""
     for chain in chains(scene.walls, scene.fluid.dx):
-        count = len(chain.segments)
-        mine = np.flatnonzero(np.isin(owner, chain.owner))
-        distance = distance_to(chain.segments, position[mine])
-        for k in range(count if chain.closed else count - 1):
-            after = (k + 1) % count
-            walls = int(chain.owner[k]), int(chain.owner[after])
-            n, m = (_normal_of(chain.segments[i]) for i in (k, after))
+        for first, second, rows in [*_joints(chain, position, owner), *_feet(chain, position, owner, support)]:
+            n, m = _normal_of(first.face), _normal_of(second.face)
             sine = n[0] * m[1] - n[1] * m[0]
-            arm = np.hypot(*(position[mine] - chain.segments[after, 0]).T)
-            rows = mine[(arm <= distance * (1.0 + 1e-9)) & np.isin(owner[mine], walls)]
-            if walls[0] != walls[1] and sine > _LEAST_SINE and len(rows):
-                yield _Corner(walls, rows, np.outer(n, [m[1], -m[0]]) / sine)
+            if first.wall != second.wall and sine > _LEAST_SINE and len(rows):
+                yield _Corner((first.wall, second.wall), rows, np.outer(n, [m[1], -m[0]]) / sine)
+
+
+def _joints(chain: Chain, position: np.ndarray, owner: np.ndarray) -> Iterator[tuple[Ground, Ground, np.ndarray]]:
+    """Where segments meet: both, and the ghosts to which the corner is the nearest of the chain."""
+    faces = [Ground(int(k), face) for k, face in zip(chain.owner, chain.segments, strict=True)]
+    mine = np.flatnonzero(np.isin(owner, chain.owner))
+    nearest = distance_to(chain.segments, position[mine])
+    for first, second in itertools.pairwise([*faces, faces[0]] if chain.closed else faces):
+        arm = np.hypot(*(position[mine] - second.face[0]).T)
+        both = np.isin(owner[mine], (first.wall, second.wall))
+        yield first, second, mine[(arm <= nearest * (1.0 + _ROUNDING)) & both]
+
+
+def _feet(
+    chain: Chain, position: np.ndarray, owner: np.ndarray, support: float
+) -> Iterator[tuple[Ground, Ground, np.ndarray]]:
+    """Where a chain stands on another wall's face: both in the order of the walk, and that wall's ghosts behind the
+    chain that the fluid before it reaches."""
+    ends = [
+        (chain.foot, Ground(int(chain.owner[0]), chain.segments[0]), chain.segments[0, 0]),
+        (chain.head, Ground(int(chain.owner[-1]), chain.segments[-1]), chain.segments[-1, 1]),
+    ]
+    behind = np.ones(len(position), dtype=bool)
+    arms = np.full((2, len(position)), np.inf)
+    for k, (ground, own, place) in enumerate(ends):
+        if ground is not None:
+            behind &= (position - place) @ _normal_of(own.face) > 0.0
+            arms[k] = np.hypot(*(position - place).T)
+    nearest = np.argmin(arms, axis=0)
+    for k, (ground, own, _) in enumerate(ends):
+        if ground is not None:
+            rows = np.flatnonzero(behind & (owner == ground.wall) & (nearest == k) & (arms[k] < support))
+            yield (ground, own, rows) if k == 0 else (own, ground, rows)
 
 
 def _normal_of(segment: np.ndarray) -> np.ndarray:

@@ -154,10 +154,10 @@ def _cuts(chain: Chain, index: int) -> tuple[_Cut | None, _Cut | None]:
     if index > 0 or chain.closed:
         before = _bisector(segments[index - 1], here)
     else:
-        before = None if chain.foot is None else _face_cut(here, chain.foot, 1.0)
+        before = None if chain.foot is None else _face_cut(here, chain.foot.face, 1.0)
     if index + 1 < count or chain.closed:
         return before, _bisector(here, segments[(index + 1) % count])
-    return before, None if chain.head is None else _face_cut(here, chain.head, -1.0)
+    return before, None if chain.head is None else _face_cut(here, chain.head.face, -1.0)
 
 
 def _bisector(before: np.ndarray, after: np.ndarray) -> _Cut:

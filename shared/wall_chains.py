@@ -6,7 +6,8 @@ Walls of unlike motions part as soon as they move: they are not joined.
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections import Counter
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -17,19 +18,26 @@ MEET = 0.1  # of dx: ends of walls nearer to each other, or to a face, are taken
 
 
 @dataclass(frozen=True)
+class Ground:
+    """The face (2, 2) [m] of wall number `wall` on whose wetted side the end of another wall stands."""
+
+    wall: int
+    face: np.ndarray
+
+
+@dataclass(frozen=True)
 class Chain:
     """Walls that meet end to start, or one alone.
 
     `segments` (k, 2, 2) [m]: their faces in the order of the walk; `owner` (k,): number of the wall of each; `closed`:
-    the last meets the first; `foot`, `head`: the segment (2, 2) of another wall on whose wetted side an open chain
-    begins, ends.
+    the last meets the first; `foot`, `head`: what an open chain stands on where it begins, ends.
     """
 
     segments: np.ndarray
     owner: np.ndarray
     closed: bool
-    foot: np.ndarray | None = None
-    head: np.ndarray | None = None
+    foot: Ground | None = None
+    head: Ground | None = None
 
 
 def segments_of(wall: Wall) -> np.ndarray:
@@ -57,26 +65,30 @@ def chains(walls: Sequence[Wall], dx: float) -> list[Chain]:
 
 def crowds(walls: Sequence[Wall], dx: float) -> list[list[int]]:
     """Numbers of the walls, of like motion, that end or start in one point, for every point where more than two do."""
-    groups = (tuple(sorted(k for k, _ in met)) for _, met in _meetings(walls, MEET * dx))
+    groups = (tuple(sorted(k for k, _ in met)) for met in _meetings(walls, MEET * dx))
     return [list(group) for group in dict.fromkeys(groups) if len(group) > 2]
 
 
-def _meetings(walls: Sequence[Wall], near: float) -> Iterator[tuple[tuple[int, bool], list[tuple[int, bool]]]]:
-    """Every end of an open wall, as its number and whether it starts there, and all ends there of like motion."""
+def _meetings(walls: Sequence[Wall], near: float) -> Counter[frozenset[tuple[int, bool]]]:
+    """Ends of open walls, each as number of the wall and whether it starts there: those of like motion that lie at an
+    end, counted over all ends."""
     ends = [(k, starts) for k, wall in enumerate(walls) if not wall.closed for starts in (True, False)]
     place = np.array([walls[k].polyline[0 if starts else -1] for k, starts in ends], dtype=float).reshape(-1, 2)
-    for end, point in zip(ends, place, strict=True):
-        here = np.flatnonzero(np.hypot(*(place - point).T) <= near)
-        yield end, [ends[m] for m in here if walls[ends[m][0]].motion == walls[end[0]].motion]
+    met = Counter()
+    for (number, _), point in zip(ends, place, strict=True):
+        here = [ends[m] for m in np.flatnonzero(np.hypot(*(place - point).T) <= near)]
+        met[frozenset(end for end in here if walls[end[0]].motion == walls[number].motion)] += 1
+    return met
 
 
 def _followers(walls: Sequence[Wall], near: float) -> dict[int, int]:
     """Which wall starts where a wall ends, if no third one ends or starts there."""
     after = {}
-    for (number, starts), met in _meetings(walls, near):
-        following = [k for k, begins in met if begins]
-        if not starts and len(met) == 2 and following:
-            after[number] = following[0]
+    for met, times in _meetings(walls, near).items():
+        if len(met) == times == 2:
+            (one, one_starts), (other, other_starts) = met
+            if one_starts != other_starts:
+                after |= {other: one} if one_starts else {one: other}
     return after
 
 
@@ -86,14 +98,16 @@ def _chain(walls: Sequence[Wall], order: list[int], closed: bool, near: float) -
     owner = np.repeat(order, [len(part) for part in parts])
     if closed:
         return Chain(segments, owner, closed)
-    like = [segments_of(wall) for wall in walls if wall.motion == walls[order[0]].motion]
-    faces = np.concatenate(like)
-    return Chain(segments, owner, closed, _under(*segments[0], faces, near), _under(*segments[-1, ::-1], faces, near))
+    like = [k for k, wall in enumerate(walls) if wall.motion == walls[order[0]].motion]
+    grounds = [Ground(k, face) for k in like for face in segments_of(walls[k])]
+    foot, head = _under(*segments[0], grounds, near), _under(*segments[-1, ::-1], grounds, near)
+    return Chain(segments, owner, closed, foot, head)
 
 
-def _under(end: np.ndarray, inner: np.ndarray, faces: np.ndarray, near: float) -> np.ndarray | None:
-    """The one of `faces` (k, 2, 2) between whose ends the `end` (2,) of a wall lies, if the wall comes from its left:
-    from `inner` (2,)."""
+def _under(end: np.ndarray, inner: np.ndarray, grounds: Sequence[Ground], near: float) -> Ground | None:
+    """The ground between whose ends the `end` (2,) of a wall lies, if `inner` (2,), the corner next to the end, is on
+    the left of it."""
+    faces = np.stack([ground.face for ground in grounds])
     along = faces[:, 1] - faces[:, 0]
     length = np.hypot(*along.T)
     along = along / length[:, None]
@@ -101,4 +115,4 @@ def _under(end: np.ndarray, inner: np.ndarray, faces: np.ndarray, near: float) -
     s = np.sum((end - faces[:, 0]) * along, axis=1)
     d = np.abs(np.sum((end - faces[:, 0]) * left, axis=1))
     stands = (d <= near) & (s > near) & (s < length - near) & (np.sum((inner - faces[:, 0]) * left, axis=1) > near)
-    return faces[np.argmax(stands)] if stands.any() else None
+    return grounds[np.argmax(stands)] if stands.any() else None

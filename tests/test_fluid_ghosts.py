@@ -136,12 +136,29 @@ def test_a_tank_of_three_walls_is_the_tank_of_one_polyline():
     assert sum(found[f"{w['name']}_y"] for w in SIDES) == pytest.approx(total[1], rel=1e-12)
 
 
+def test_a_wall_on_a_floor_that_runs_on_bears_the_whole_push():
+    """As the wall at the floor's end does, whose ghosts are the same."""
+    floor = [(0.0, 0.3), (0.0, 0.0), (0.4, 0.0)]
+    standing = [{"name": "floor", "polyline": floor}, {"name": "right", "polyline": CORNERS[2:]}]
+    probes = [
+        {"name": f"{name}_{axis}", "quantity": f"force-{axis}", "body": name}
+        for name in ("floor", "right")
+        for axis in "xy"
+    ]
+    model = begun(bare_tank(standing, probes=probes))
+    run(model, 0.01)
+    found = model.probe_values()
+    assert found["right_x"] == pytest.approx(-found["floor_x"], rel=1e-3)
+    assert found["right_x"] == pytest.approx(0.5 * 1000.0 * G * 0.15**2, rel=0.02)
+    assert found["right_y"] == pytest.approx(0.0, abs=2e-3 * 1000.0 * G * 0.2 * 0.15)
+
+
 @pytest.mark.parametrize("angle", [0.0, 30.0, 180.0])
 def test_a_push_along_a_walls_normal_is_that_walls_own_however_the_tank_is_turned(angle):
     motion = {"times": [0.0, 1.0], "rotation": [0.0, angle]}
     case = bare_tank([wall | {"motion": motion} for wall in SIDES])
     ghosts = lay_ghosts(case, 0.026)
-    shares = WallForces(case, ghosts)
+    shares = WallForces(case, ghosts, 0.026)
     pose = GhostMotion(case, ghosts)
     pose.to(1.0, 0.0, 1.0, None)
     c, s = np.cos(np.radians(angle)), np.sin(np.radians(angle))
