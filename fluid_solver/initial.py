@@ -6,7 +6,9 @@ and stands lower, at depth d = (c²/g) ln(1 + g D/c²) below its own settled top
 
 from __future__ import annotations
 
+import itertools
 import math
+from collections.abc import Iterator
 from dataclasses import dataclass
 
 import numpy as np
@@ -19,10 +21,11 @@ from shared.expected_speed import NO_SPEED, expected_speed
 from shared.geometry import contains, distance_to, fill, ghosts, outline, wall_particles
 from shared.schema import Scene
 from shared.schema_geometry import Body
-from shared.wall_chains import chains, segments_of
+from shared.wall_chains import Chain, Ground, chains, segments_of
 
 MACH = 0.1  # largest expected speed over the automatic sound speed: density varies by 1 %
 CLEAR = 0.25  # of dx: fluid laid nearer to a face is moved off it; on the face it would start at the wrong pressure
+_ROUNDING = 1e-9  # of a distance
 OWNED = 0.25  # of dx: wall particles this close to a solid body are the body's
 
 
@@ -154,8 +157,7 @@ def lay_ghosts(scene: Scene, support: float) -> Ghosts:
             keep &= distance_to(outline(body), layers.position) >= OWNED * dx
         kind = FREE_SLIP if wall.slip == "free" else NO_SLIP
         position = layers.position[keep]
-        face = prolonged(segments_of(wall), 2.0 * support) if wall.surface_speed else faces[index]
-        parts.append(_part(position, layers.volume[keep], kind, index, wall_normal(face, position)))
+        parts.append(_part(position, layers.volume[keep], kind, index, wall_normal(faces[index], position)))
     for index, body in enumerate(bodies):
         dry = [clamp.face for clamp in scene.solid.clamps if clamp.body == body.name]
         inside = ghosts(body, dx, support, dry)
@@ -167,17 +169,15 @@ def lay_ghosts(scene: Scene, support: float) -> Ghosts:
     return Ghosts(*(np.concatenate(column) for column in zip(*parts, strict=True)))
 
 
-def prolonged(segments: np.ndarray, length: float) -> np.ndarray:
-    """`segments` (k, 2, 2) of a face with its ends, unless they meet, moved on by `length` [m]: a face that slides past
-    a corner which it forms with another wall slides straight on there."""
-    longer = segments.copy()
-    if not np.array_equal(segments[0, 0], segments[-1, 1]):
-        for corner, along in (
-            (longer[0, 0], segments[0, 0] - segments[0, 1]),
-            (longer[-1, 1], segments[-1, 1] - segments[-1, 0]),
-        ):
-            corner += length * along / math.hypot(*along)
-    return longer
+def joints(chain: Chain, position: np.ndarray, owner: np.ndarray) -> Iterator[tuple[Ground, Ground, np.ndarray]]:
+    """Where segments meet: both, and the ghosts to which the corner is the nearest of the chain."""
+    faces = [Ground(int(k), face) for k, face in zip(chain.owner, chain.segments, strict=True)]
+    mine = np.flatnonzero(np.isin(owner, chain.owner))
+    nearest = distance_to(chain.segments, position[mine])
+    for first, second in itertools.pairwise([*faces, faces[0]] if chain.closed else faces):
+        arm = np.hypot(*(position[mine] - second.face[0]).T)
+        both = np.isin(owner[mine], (first.wall, second.wall))
+        yield first, second, mine[(arm <= nearest * (1.0 + _ROUNDING)) & both]
 
 
 def wall_normal(face: np.ndarray, points: np.ndarray) -> np.ndarray:

@@ -12,13 +12,14 @@ import numpy as np
 
 from fluid_solver.cells import BLOCK
 from fluid_solver.fields import AX, AY, FLUID, PARKED, X, Y
-from fluid_solver.initial import Ghosts
+from fluid_solver.initial import Ghosts, joints
 from shared.contract import Kinematics
 from shared.ghost_inertia import ghosts_feel_acceleration
 from shared.jit import inline_njit, njit, parallel_njit
 from shared.motion_table import MotionTable
 from shared.schema import Scene
 from shared.schema_geometry import Motion
+from shared.wall_chains import chains
 
 POSE = 8
 
@@ -43,6 +44,10 @@ class GhostMotion:
         sliding = np.array([wall.surface_speed for wall in scene.walls])
         if sliding.any():  # a turn of the normal, which points to the right of the polyline, is along it
             self.pose[: self._walls, 2:4] = sliding[owner, None] * np.c_[-normal[:, 1], normal[:, 0]][: self._walls]
+            for chain in chains(scene.walls, scene.fluid.dx):
+                for first, second, rows in joints(chain, rest[: self._walls], owner):
+                    if sliding[first.wall] != sliding[second.wall]:
+                        self.pose[rows, 2:4] = 0.0
         self.x0 = rest[self._walls :].copy()
         self.v0 = np.zeros_like(self.x0)
 

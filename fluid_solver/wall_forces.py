@@ -8,20 +8,17 @@ only, and the sum over the walls is that over the ghosts.
 
 from __future__ import annotations
 
-import itertools
 from collections.abc import Iterator
 from dataclasses import dataclass
 
 import numpy as np
 
 from fluid_solver.fields import STRUCTURE
-from fluid_solver.initial import Ghosts
-from shared.geometry import distance_to
+from fluid_solver.initial import Ghosts, joints
 from shared.schema import Scene
 from shared.wall_chains import Chain, Ground, chains
 
 _LEAST_SINE = 0.1  # of the turn at a corner: below, about 6°, and beyond 174°, each ghost's force is its owner's
-_ROUNDING = 1e-9  # of a distance
 
 
 @dataclass(frozen=True)
@@ -61,22 +58,11 @@ class WallForces:
 def _corners(scene: Scene, position: np.ndarray, owner: np.ndarray, support: float) -> Iterator[_Corner]:
     """Corners of unlike walls that have ghosts which both walls share."""
     for chain in chains(scene.walls, scene.fluid.dx):
-        for first, second, rows in [*_joints(chain, position, owner), *_feet(chain, position, owner, support)]:
+        for first, second, rows in [*joints(chain, position, owner), *_feet(chain, position, owner, support)]:
             n, m = _normal_of(first.face), _normal_of(second.face)
             sine = n[0] * m[1] - n[1] * m[0]
             if first.wall != second.wall and sine > _LEAST_SINE and len(rows):
                 yield _Corner((first.wall, second.wall), rows, np.outer(n, [m[1], -m[0]]) / sine)
-
-
-def _joints(chain: Chain, position: np.ndarray, owner: np.ndarray) -> Iterator[tuple[Ground, Ground, np.ndarray]]:
-    """Where segments meet: both, and the ghosts to which the corner is the nearest of the chain."""
-    faces = [Ground(int(k), face) for k, face in zip(chain.owner, chain.segments, strict=True)]
-    mine = np.flatnonzero(np.isin(owner, chain.owner))
-    nearest = distance_to(chain.segments, position[mine])
-    for first, second in itertools.pairwise([*faces, faces[0]] if chain.closed else faces):
-        arm = np.hypot(*(position[mine] - second.face[0]).T)
-        both = np.isin(owner[mine], (first.wall, second.wall))
-        yield first, second, mine[(arm <= nearest * (1.0 + _ROUNDING)) & both]
 
 
 def _feet(
