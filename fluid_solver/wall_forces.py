@@ -68,28 +68,36 @@ def _corners(scene: Scene, position: np.ndarray, owner: np.ndarray, support: flo
 def _feet(
     chain: Chain, position: np.ndarray, owner: np.ndarray, support: float
 ) -> Iterator[tuple[Ground, Ground, np.ndarray]]:
-    """Where a chain stands on another wall's face: both in the order of the walk, and that wall's ghosts behind the
-    chain that the fluid before it reaches."""
+    """Where a chain stands on another wall's face: both in the order of the walk, and the ghosts past both their ends
+    that the fluid in the corner reaches: under the chain, up to its other foot, and those that it has run on."""
     ends = [
-        (chain.foot, Ground(int(chain.owner[0]), chain.segments[0]), chain.segments[0, 0]),
-        (chain.head, Ground(int(chain.owner[-1]), chain.segments[-1]), chain.segments[-1, 1]),
+        (chain.foot, Ground(int(chain.owner[0]), chain.segments[0]), chain.segments[0, 0], 1.0),
+        (chain.head, Ground(int(chain.owner[-1]), chain.segments[-1]), chain.segments[-1, 1], -1.0),
     ]
-    behind = np.ones(len(position), dtype=bool)
     arms = np.full((2, len(position)), np.inf)
-    for k, (ground, own, place) in enumerate(ends):
+    past = np.ones((2, len(position)), dtype=bool)
+    for k, (ground, _, place, sense) in enumerate(ends):
         if ground is not None:
-            behind &= (position - place) @ _normal_of(own.face) > 0.0
             arms[k] = np.hypot(*(position - place).T)
+            past[k] = sense * (position - place) @ _along(ground.face) > 0.0
     nearest = np.argmin(arms, axis=0)
-    for k, (ground, own, _) in enumerate(ends):
+    for k, (ground, own, place, sense) in enumerate(ends):
         if ground is not None:
-            rows = np.flatnonzero(behind & (owner == ground.wall) & (nearest == k) & (arms[k] < support))
-            yield (ground, own, rows) if k == 0 else (own, ground, rows)
+            run_on = (owner == own.wall) & (sense * (position - place) @ _along(own.face) < 0.0)
+            other = ends[1 - k][0]
+            under = (owner == ground.wall) & (past.all(axis=0) if other and other.wall == ground.wall else past[k])
+            rows = np.flatnonzero((run_on | under) & (nearest == k) & (arms[k] < support))
+            yield (ground, own, rows) if sense > 0.0 else (own, ground, rows)
+
+
+def _along(segment: np.ndarray) -> np.ndarray:
+    """Unit vector (2,) along a segment's walk."""
+    return (segment[1] - segment[0]) / np.hypot(*(segment[1] - segment[0]))
 
 
 def _normal_of(segment: np.ndarray) -> np.ndarray:
     """Unit vector (2,) to the right of a segment's walk."""
-    along = (segment[1] - segment[0]) / np.hypot(*(segment[1] - segment[0]))
+    along = _along(segment)
     return np.array([along[1], -along[0]])
 
 

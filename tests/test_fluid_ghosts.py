@@ -173,6 +173,22 @@ def test_a_push_along_a_walls_normal_is_that_walls_own_however_the_tank_is_turne
     assert shares.on(1, push, pose.pose[:, 6:]) == pytest.approx(push.sum(axis=0), rel=1e-9)
 
 
+@pytest.mark.parametrize("lean", [60.0, 90.0, 120.0])
+def test_a_push_along_its_normal_on_ghosts_behind_a_leaning_wall_and_its_floor_is_the_walls(lean):
+    c, s = np.cos(np.radians(lean)), np.sin(np.radians(lean))
+    floor = {"name": "floor", "polyline": [(0.0, 0.0), (0.4, 0.0)]}
+    wall = {"name": "wall", "polyline": [(0.2, 0.0), (0.2 + 0.2 * c, 0.2 * s)]}
+    case = scene([{"name": "water", "rectangle": (0.0, 0.0, 0.1, 0.1)}], [floor, wall])
+    ghosts = lay_ghosts(case, 0.026)
+    arm = ghosts.position - [0.2, 0.0]
+    past = (arm[:, 0] > 0.0) & (arm @ [c, s] < 0.0) & (np.hypot(*arm.T) < 0.026)
+    assert set(ghosts.owner[past]) == ({0} if lean <= 90.0 else {0, 1})
+    push = np.where(past[:, None], [s, -c], 0.0)
+    shares = WallForces(case, ghosts, 0.026)
+    assert shares.on(1, push, ghosts.normal) == pytest.approx(push.sum(axis=0), rel=1e-9)
+    assert shares.on(0, push, ghosts.normal) == pytest.approx([0.0, 0.0], abs=1e-9)
+
+
 def test_a_lid_slides_up_to_the_corners_of_its_box():
     """Where a face that slides meets one that stands, the ghosts behind both stand."""
     box = [(0.0, 0.2), (0.0, 0.0), (0.2, 0.0), (0.2, 0.2)]
