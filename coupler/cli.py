@@ -104,11 +104,13 @@ def resume(
     quiet: Quiet = False,
 ) -> None:
     """Go on with a run that was cut short, from its last checkpoint, to the same bytes as without the break."""
-    scene, last = unfinished(run_dir)
-    if len(last.notes["threads"]) == 1:
-        raise SystemExit(resume_one_side(run_dir, *last.notes["threads"], ",".join(threads or ()), quiet))
-    counts = parse_threads(",".join(threads)) if threads else last.notes["threads"]
-    conclude_coupled(resume_coupled(run_dir, last, scene, counts, link.value, quiet), scene, quiet)
+    cut = unfinished(run_dir)
+    ran = cut.last.notes["threads"]
+    if len(ran) == 1:
+        cut.held.close()  # that side's own program claims the run
+        raise SystemExit(resume_one_side(run_dir, *ran, ",".join(threads or ()), quiet))
+    counts = parse_threads(",".join(threads)) if threads else ran
+    conclude_coupled(resume_coupled(cut, counts, link.value, quiet), cut.scene, quiet)
 
 
 def conclude_coupled(record: Record, scene: Scene, quiet: bool) -> None:

@@ -14,14 +14,14 @@ from __future__ import annotations
 import math
 from functools import cache
 from pathlib import Path
-from typing import TextIO
 
 import numpy as np
 
 from coupler.schemes import Outcome
-from shared.checkpoint import State, cut_lines
+from shared.checkpoint import State
 from shared.clock import Window
 from shared.contract import ShearwaterError, SolverFailed
+from shared.lines import Lines
 from shared.schema_coupling import Limits
 
 COLUMNS = (
@@ -136,7 +136,7 @@ class Ledger:
         numbers += [*self._impulse_fluid.tolist(), *self._impulse_structure.tolist()]
         numbers += [self._work, self._work_fluid, self._work + self._work_fluid]
         head = f"{window.index},{window.t1!r},{len(outcome.changes)},{outcome.changes[-1]!r},"
-        self._file.write(head + ",".join(map(repr, numbers)) + "\n")
+        self._file.write(head + ",".join(map(repr, numbers)))
         self._check()
         self._warm = self._warm + 1 if self._energy() > _WARM * self._limits.energy else 0
         share = (self._work + self._work_fluid) / (self._largest_work or 1.0)
@@ -219,11 +219,10 @@ def _ones(count: int) -> np.ndarray:
     return np.ones(count)
 
 
-def _open(path: Path, rows: int | None) -> TextIO:
+def _open(path: Path, rows: int | None) -> Lines:
     """The file, new with its header, or as it was after `rows` rows."""
     if rows is not None:
-        cut_lines(path, 1 + rows)
-        return path.open("a", newline="\n", encoding="utf-8")
-    file = path.open("w", newline="\n", encoding="utf-8")
-    file.write(",".join(COLUMNS) + "\n")
+        return Lines(path, 1 + rows)
+    file = Lines(path)
+    file.write(",".join(COLUMNS))
     return file

@@ -7,7 +7,7 @@ from typing import Any, Protocol
 
 from coupler.schemes import Coupled
 from coupler.window import Plan
-from shared.checkpoint import Checkpoint, Checkpoints, State, inside, read_state, under, write_state
+from shared.checkpoint import Checkpoint, Checkpoints, State, inside, misfit, read_state, under, write_state
 from shared.clock import Window
 
 PART = "run"
@@ -39,9 +39,13 @@ def remember(
 
 
 def recall(memory: Mapping[str, Remembers], plan: Plan, last: Checkpoint) -> dict[str, float]:
-    """Go back to the checkpoint `last`; the sides load their own parts. Returns the counts so far."""
-    state = read_state(last.part(PART))
-    for name, one in memory.items():
-        one.restore(inside(name, state))
-    plan.reasons[:] = last.notes["reasons"]
-    return dict(last.notes["counts"])
+    """Go back to the checkpoint `last`; the sides load their own parts. Returns the counts so far. Raises BadInput."""
+    path = last.part(PART)
+    state = read_state(path)
+    try:
+        for name, one in memory.items():
+            one.restore(inside(name, state))
+        plan.reasons[:] = last.notes["reasons"]
+        return dict(last.notes["counts"])
+    except (KeyError, TypeError, ValueError) as error:
+        raise misfit(path, error) from None

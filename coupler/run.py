@@ -30,6 +30,7 @@ from shared.clock import Clock
 from shared.contract import BadInput, Description, ParticipantLost, SolverFailed
 from shared.record import Record
 from shared.results import new_run_directory
+from shared.resume import Unfinished
 from shared.schema import Scene
 from shared.sides import probe_rows
 from shared.stopping import stopping_between_windows
@@ -66,11 +67,10 @@ def run_coupled(
     return record
 
 
-def resume_coupled(
-    run_dir: Path, last: Checkpoint, scene: Scene, threads: dict[str, int], link: str, quiet: bool
-) -> Record:
-    """Go on with a run of `run_coupled` from its checkpoint `last`, to the same bytes."""
-    with Record(run_dir, scene, last.notes["case"], threads, quiet, last) as record:
+def resume_coupled(cut: Unfinished, threads: dict[str, int], link: str, quiet: bool) -> Record:
+    """Go on with a run of `run_coupled` from its last checkpoint, to the same bytes."""
+    scene, last = cut.scene, cut.last
+    with Record(cut.run_dir, scene, last.notes["case"], threads, quiet, last, cut.held) as record:
         record.preflight |= last.notes["preflight"]
         _run(scene, threads, link, record, last)
     return record

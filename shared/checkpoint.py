@@ -39,6 +39,8 @@ FOLDER = "checkpoints"
 _KEPT = 2
 _PATIENCE_S = 20.0  # the solvers of a coupler that was killed end by themselves within seconds
 _MANIFEST = "manifest.json"
+AGAIN = "Start it again with `run` and a new directory (--out DIR): runs are never overwritten."
+"""The way out where a run cannot go on."""
 
 
 def under(prefix: str, state: Mapping[str, np.ndarray]) -> State:
@@ -76,6 +78,14 @@ def read_state(path: Path) -> State:
     return found
 
 
+def misfit(path: str | Path, error: Exception) -> BadInput:
+    """What to raise where a state has been read from `path`, and is not one of this run."""
+    return BadInput(
+        f"The checkpoint {path} does not fit this run ({type(error).__name__}: {error}): it was written under another "
+        f"scene, or by another version. {AGAIN}"
+    )
+
+
 @dataclass(frozen=True)
 class Checkpoint:
     """A complete checkpoint: its folder, the number of windows accepted, their end [s], and the run's own notes."""
@@ -94,26 +104,25 @@ class Checkpoints:
     """Those of one run: says when the next is due, begins and seals it.
 
     `every`: wall time [s] between two of them, 0 for none; the first is due at t = 0. `last`: the one that the run
-    goes on from; what is there beyond it goes.
+    goes on from; what is there beyond it goes when another begins.
     """
 
     def __init__(self, run_dir: Path, every: float, last: Checkpoint | None = None):
         self._root = run_dir / FOLDER
         self._every = every
         self._last = -float("inf") if last is None else time.monotonic()
-        for folder in self._root.glob("window-*") if last is not None else ():
-            if folder.name > last.folder.name:
-                shutil.rmtree(folder)
 
     def due(self, last: bool = False) -> bool:
         """Whether it is time for another; `last`: the run stops here."""
         return self._every > 0.0 and (last or time.monotonic() - self._last >= self._every)
 
     def begin(self, window: int) -> Path:
-        """A new folder for the parts of the checkpoint before window number `window`."""
+        """A new folder for the parts of the checkpoint before window number `window`; later ones go."""
         folder = (self._root / f"window-{window:010d}").absolute()
         try:
-            shutil.rmtree(folder, ignore_errors=True)
+            for other in self._root.glob("window-*"):
+                if other.name >= folder.name:
+                    shutil.rmtree(other)
             folder.mkdir(parents=True)
         except OSError as error:
             raise _cannot_write(folder, error) from error
@@ -142,7 +151,7 @@ def newest(run_dir: Path) -> Checkpoint:
         log.warning("checkpoint %s is damaged (%s): an older one is taken", folder, ", ".join(spoiled))
     raise BadInput(
         f"{run_dir} holds no complete checkpoint to go on from: it is not the directory of a run, or its run was over "
-        "before the first one. Start it again with `run`."
+        f"before the first one. {AGAIN}"
     )
 
 
@@ -171,15 +180,6 @@ def claim(run_dir: Path) -> TextIO:
                     f"The run in {run_dir} is still going on in another process; wait for it, or end it."
                 ) from None
             time.sleep(0.1)
-
-
-def cut_lines(path: Path, count: int) -> list[str]:
-    """Cut the text file `path` to its first `count` lines, and return them. Raises BadInput if it has fewer."""
-    lines = path.read_text(encoding="utf-8").splitlines(keepends=True)
-    if len(lines) < count:
-        raise BadInput(f"{path} has {len(lines)} lines, and had {count} at the checkpoint: the run cannot go on.")
-    os.truncate(path, sum(len(line.encode()) for line in lines[:count]))
-    return lines[:count]
 
 
 def _write(path: Path, data: bytes) -> None:

@@ -15,10 +15,9 @@ from pathlib import Path
 
 import numpy as np
 
-from shared.checkpoint import inside, read_state, under, write_state
+from shared.checkpoint import inside, misfit, read_state, under, write_state
 from shared.clock import Clock, Window
 from shared.contract import (
-    BadInput,
     Description,
     EarlyModel,
     Exchange,
@@ -180,7 +179,7 @@ class Participant:
             write_state(Path(path), state | {"window": np.array(self._next)})
 
     def load(self, path: str | Path) -> None:
-        """Take the state, and the number of the next window, from the HDF5 file `path`."""
+        """Take the state, and the number of the next window, from the HDF5 file `path`. Raises BadInput."""
         self._need(self._stage == "ready", "load", self._why_not_ready())
         state = read_state(Path(path))
         try:
@@ -190,10 +189,7 @@ class Participant:
             self._next = int(state["window"])
             self._earlier = {name: float(value) for name, value in inside("cost", state).items()}
         except (KeyError, ValueError) as error:
-            raise BadInput(
-                f"The checkpoint {path} does not fit this run ({error}): it was written under another scene, or by "
-                "another version. Start the run again with `run`."
-            ) from None
+            raise misfit(path, error) from None
         self._limit = self._saved = None
 
     def finish(self) -> dict[str, object]:

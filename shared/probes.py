@@ -10,9 +10,9 @@ from typing import Any
 
 import numpy as np
 
-from shared.checkpoint import cut_lines
 from shared.contract import BadInput, ShearwaterError
 from shared.curves import read_curve
+from shared.lines import Lines
 from shared.schema import Scene
 from shared.schema_probes import Reference
 from shared.statistics import Interval, finite, relative_error, statistic
@@ -65,13 +65,12 @@ class ProbeTable:
     def __init__(self, path: str | Path, units: Mapping[str, str], rows: int | None = None):
         self.path = Path(path)
         self.units = dict(units)
-        lines = [] if rows is None else cut_lines(self.path, 1 + rows)
-        self._rows = [[float(cell) for cell in line.split(",")] for line in lines[1:]]
         try:
             # A row is on the disk once it is written.
-            self._file = self.path.open("w" if rows is None else "a", buffering=1, newline="\n")
+            self._file = Lines(self.path, None if rows is None else 1 + rows, buffering=1)
         except OSError as error:
             raise self._cannot_write(error) from error
+        self._rows = [self._numbers(number, line) for number, line in enumerate(self._file.first[1:], start=2)]
         if rows is None:
             self._write(["time", *self.units])
 
@@ -124,9 +123,20 @@ class ProbeTable:
     def _array(self) -> np.ndarray:
         return np.array(self._rows, dtype=float).reshape(len(self._rows), 1 + len(self.units))
 
+    def _numbers(self, number: int, line: str) -> list[float]:
+        """The cells of a line of the file."""
+        try:
+            row = [float(cell) for cell in line.split(",")]
+        except ValueError:
+            row = []
+        wanted = 1 + len(self.units)
+        if len(row) != wanted:
+            raise BadInput(f"{self.path}: line {number} does not hold {wanted} numbers: the run cannot go on.")
+        return row
+
     def _write(self, cells: list[str]) -> None:
         try:
-            self._file.write(",".join(cells) + "\n")
+            self._file.write(",".join(cells))
         except OSError as error:
             raise self._cannot_write(error) from error
 

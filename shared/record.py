@@ -6,7 +6,7 @@ import sys
 import time
 from collections.abc import Mapping
 from pathlib import Path
-from typing import Any
+from typing import Any, TextIO
 
 from shared.checkpoint import Checkpoint, claim, way_on
 from shared.contract import ShearwaterError
@@ -22,8 +22,10 @@ class Record:
     """Context of a run in `run_dir`: writes `case.toml` first, `probes.csv` on the way, `result.json` at the end.
 
     The run adds to `cost`, `ledger` and `preflight`. An error or Ctrl-C that leaves the context is written down as
-    the run's status and reason, and goes on; after Ctrl-C the command that goes on with the run is printed. `last`: the
-    checkpoint that the run goes on from.
+    the run's status and reason, and goes on; after Ctrl-C the command that goes on with the run is printed.
+
+    `last`: the checkpoint that the run goes on from, with the `held` claim to it. What is there beyond it, and the
+    result, stay until the run has gone on: one that cannot changes nothing.
     """
 
     def __init__(
@@ -34,6 +36,7 @@ class Record:
         threads: Mapping[str, int],
         quiet: bool,
         last: Checkpoint | None = None,
+        held: TextIO | None = None,
     ):
         self.run_dir = run_dir
         self.cost: dict[str, Any] = {}
@@ -45,9 +48,10 @@ class Record:
         self._time = 0.0 if last is None else last.time
         self._wall_before = 0.0 if last is None else last.notes["wall_s"]
         self._text = dump_scene(scene)
+        self._moved = last is None
         if last is None:
             (run_dir / "case.toml").write_text(self._text, encoding="utf-8")
-        self.claim = claim(run_dir)
+        self.claim = held or claim(run_dir)
         self._table = ProbeTable(run_dir / "probes.csv", probe_units(scene), last and last.notes["probe_rows"])
         self._progress = Progress(scene.title, scene.end_time, quiet)
 
@@ -58,7 +62,7 @@ class Record:
 
     def at(self, now: float, probes: Mapping[str, float] | None) -> None:
         """The run has reached time `now` [s]; `probes` is the row due, or None."""
-        self._time = now
+        self._time, self._moved = now, True
         if probes is not None:
             self._table.append(now, probes)
         self._progress.update(now)
@@ -81,6 +85,14 @@ class Record:
         self._progress.__exit__(None, None, None)
         self._table.close()
         status, reason = _status(error)
+        if self._moved:
+            self._conclude(status, reason)
+        self.claim.close()
+        if status == "interrupted" and (way := way_on(self.run_dir)):
+            print(way, file=sys.stderr, flush=True)
+
+    def _conclude(self, status: str, reason: str) -> None:
+        """Write the result and draw the pictures."""
         self.result = make_result(
             self._scene,
             self._text,
@@ -96,9 +108,6 @@ class Record:
         )
         write_result(self.run_dir, self.result)
         self.pictures = draw_pictures(self.run_dir, self._scene)
-        self.claim.close()
-        if status == "interrupted" and (way := way_on(self.run_dir)):
-            print(way, file=sys.stderr, flush=True)
 
 
 def _status(error: BaseException | None) -> tuple[str, str]:

@@ -30,18 +30,24 @@ class Recorder:
 
     def __init__(self, path: Path, windows: int | None = None):
         self._sequence = 0
+        self._beyond = windows is not None  # whether the file may hold more than it is gone on behind
         if windows is None:
             self._file = path.open("wb")
             return
-        self._file = path.open("r+b")
+        try:
+            self._file = path.open("r+b")
+        except OSError as error:
+            raise BadInput(f"The recording {path} cannot be gone on with ({error}).") from error
         for _ in range(_BEFORE_WINDOWS + windows):
             if not _next(self._file):
                 raise BadInput(f"{path} ends after {self._sequence} messages: the recording cannot be gone on with.")
             self._sequence += 1
-        self._file.truncate()
 
     def add(self, verb: str, **parts) -> None:
         """Add a request; `parts` as of `Message`."""
+        if self._beyond:
+            self._file.truncate()
+            self._beyond = False
         data = encode(Message(RUN, "coupler", verb, self._sequence, **parts))
         self._file.write(_LENGTH.pack(len(data)) + data)
         self._sequence += 1

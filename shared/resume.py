@@ -4,9 +4,11 @@ from __future__ import annotations
 
 import json
 import sys
+from dataclasses import dataclass
 from pathlib import Path
+from typing import TextIO
 
-from shared.checkpoint import Checkpoint, newest
+from shared.checkpoint import Checkpoint, claim, newest
 from shared.contract import BadInput
 from shared.plain import plain
 from shared.results import environment
@@ -14,11 +16,31 @@ from shared.scene import load_scene
 from shared.schema import Scene
 
 
-def unfinished(run_dir: Path) -> tuple[Scene, Checkpoint]:
-    """The scene of a run that was cut short, as it ran, and its last checkpoint; warns where the machine or the
+@dataclass(frozen=True)
+class Unfinished:
+    """A run that was cut short: its scene as it ran, its last checkpoint, and the claim that keeps others from it."""
+
+    run_dir: Path
+    scene: Scene
+    last: Checkpoint
+    held: TextIO
+
+
+def unfinished(run_dir: Path) -> Unfinished:
+    """The run in `run_dir`, claimed first, so that nobody changes what is found there; warns where the machine or the
     packages are others. Raises BadInput."""
     if not (run_dir / "case.toml").exists():
         raise BadInput(f"{run_dir} is not the directory of a run: it has no case.toml.")
+    held = claim(run_dir)
+    try:
+        scene, last = _found(run_dir)
+    except BaseException:
+        held.close()
+        raise
+    return Unfinished(run_dir, scene, last, held)
+
+
+def _found(run_dir: Path) -> tuple[Scene, Checkpoint]:
     try:
         result = json.loads((run_dir / "result.json").read_text(encoding="utf-8"))
     except (OSError, ValueError):

@@ -15,6 +15,7 @@ from shared.participant import Participant, own_faces
 from shared.record import Record
 from shared.recording import RUN, messages, recording_of
 from shared.results import new_run_directory
+from shared.resume import Unfinished
 from shared.schema import Scene
 from shared.service import Service
 from shared.sides import own_probes, probe_rows
@@ -42,12 +43,11 @@ def run_alone(
     return record
 
 
-def resume_alone(
-    run_dir: Path, last: Checkpoint, scene: Scene, side: str, factory: Factory, threads: int | None, quiet: bool
-) -> Record:
-    """Go on with a run of `run_alone` from its checkpoint `last`, to the same bytes."""
+def resume_alone(cut: Unfinished, side: str, factory: Factory, threads: int | None, quiet: bool) -> Record:
+    """Go on with a run of `run_alone` from its last checkpoint, to the same bytes."""
+    scene, last = cut.scene, cut.last
     threads = threads or last.notes["threads"][side]
-    with Record(run_dir, scene, last.notes["case"], {side: threads}, quiet, last) as record:
+    with Record(cut.run_dir, scene, last.notes["case"], {side: threads}, quiet, last, cut.held) as record:
         _march(scene, side, factory, threads, record, last)
     return record
 

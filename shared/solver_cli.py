@@ -62,10 +62,10 @@ def solver_app(side: str, factory: Factory) -> typer.Typer:
         quiet: Quiet = False,
     ) -> None:
         """Go on with a run of this side alone from its last checkpoint, to the same bytes."""
-        scene, last = unfinished(run_dir)
-        if set(last.notes["threads"]) != {side}:
+        cut = unfinished(run_dir)
+        if set(cut.last.notes["threads"]) != {side}:
             raise BadInput(f"{run_dir} is not a run of the {side} side alone: coupler resume {run_dir}")
-        conclude(resume_alone(run_dir, last, scene, side, factory, threads, quiet), quiet)
+        conclude(resume_alone(cut, side, factory, threads, quiet), quiet)
 
     @app.command("warm", hidden=True)
     def warm(case: Case, sweeps: Annotated[bool, typer.Option(help="With a model's sweeps alone.")] = False) -> None:

@@ -6,6 +6,7 @@ import json
 import os
 import subprocess
 import sys
+import threading
 import time
 
 import numpy as np
@@ -80,9 +81,9 @@ def test_every_scheme_goes_on_with_its_memory(scheme, tmp_path, monkeypatch):
     half = whole["cost"]["coupling"]["windows"] // 2
     given = (scene, "piston", tmp_path / "cut", ONE, True, "inprocess")
     cut_short(monkeypatch, coupler.run, "probes", half, run_coupled, *given)
-    again, last = unfinished(tmp_path / "cut")
-    assert last.window == half
-    found = resume_coupled(tmp_path / "cut", last, again, ONE, "inprocess", True).result
+    again = unfinished(tmp_path / "cut")
+    assert again.last.window == half
+    found = resume_coupled(again, ONE, "inprocess", True).result
     same_output(tmp_path / "whole", tmp_path / "cut")
     assert found["status"] == "finished"
     assert found["probes"] == whole["probes"]
@@ -110,9 +111,9 @@ def test_what_was_lost_before_a_break_counts_in_the_end(tmp_path, monkeypatch):
     whole = run_alone(scene, "tiny", "fluid", make_model, tmp_path / "whole", 1, True).result["cost"]["fluid"]
     given = (scene, "tiny", "fluid", make_model, tmp_path / "cut", 1, True)
     cut_short(monkeypatch, shared.solo.Record, "at", 45, run_alone, *given)
-    again, last = unfinished(tmp_path / "cut")
-    before = read_state(last.part("fluid"))["model/cells"][3]
-    found = resume_alone(tmp_path / "cut", last, again, "fluid", make_model, 1, True).result["cost"]["fluid"]
+    again = unfinished(tmp_path / "cut")
+    before = read_state(again.last.part("fluid"))["model/cells"][3]
+    found = resume_alone(again, "fluid", make_model, 1, True).result["cost"]["fluid"]
     assert 0 < before < found["lost"]
     assert {k: v for k, v in found.items() if "lost" in k} == {k: v for k, v in whole.items() if "lost" in k}
     assert f"{found['lost']} fluid particles" in write_report(tmp_path / "cut").read_text(encoding="utf-8")
@@ -123,8 +124,7 @@ def test_one_side_alone_goes_on(tmp_path, monkeypatch):
     run_alone(scene, "tiny", "fluid", make_model, tmp_path / "whole", 1, True)
     given = (scene, "tiny", "fluid", make_model, tmp_path / "cut", 1, True)
     cut_short(monkeypatch, shared.solo.Record, "at", 10, run_alone, *given)
-    again, last = unfinished(tmp_path / "cut")
-    resume_alone(tmp_path / "cut", last, again, "fluid", make_model, 1, True)
+    resume_alone(unfinished(tmp_path / "cut"), "fluid", make_model, 1, True)
     same_output(tmp_path / "whole", tmp_path / "cut")
 
 
@@ -179,8 +179,8 @@ def test_two_newest_are_kept_and_a_damaged_one_is_passed_over(tmp_path):
     assert (last.window, last.time) == (5, 0.5)
     checkpoints.begin(20)  # begun, never sealed
     assert newest(tmp_path).window == 5
-    Checkpoints(tmp_path, 1e9, last)
-    assert [path.name for path in (tmp_path / "checkpoints").iterdir()] == [folders[1].name]
+    begun = Checkpoints(tmp_path, 1e9, last).begin(8)
+    assert sorted((tmp_path / "checkpoints").iterdir()) == [folders[1], begun]
 
 
 def test_a_checkpoint_that_cannot_be_written_is_a_clear_error(tmp_path):
@@ -205,10 +205,58 @@ def test_what_cannot_go_on(tmp_path, monkeypatch):
         claim(tmp_path / "run")
 
 
-def test_probes_that_were_cut_say_so(tmp_path, monkeypatch):
-    given = (piston(OFTEN), "piston", tmp_path / "run", ONE, True, "inprocess")
-    cut_short(monkeypatch, coupler.run, "probes", 10, run_coupled, *given)
-    scene, last = unfinished(tmp_path / "run")
-    (tmp_path / "run" / "probes.csv").write_text("time\n")
+def everything(run_dir):
+    """Contents of all files of a run but logs."""
+    files = (path for path in run_dir.rglob("*") if path.is_file() and path.parent.name != "log")
+    return {str(path.relative_to(run_dir)): path.read_bytes() for path in files}
+
+
+@pytest.fixture
+def cut(tmp_path, monkeypatch):
+    """Directory of a run that was cut short, past its last checkpoint by a few windows."""
+    run_dir = tmp_path / "run"
+    given = (piston("output.exchange=true", OFTEN), "piston", run_dir, ONE, True, "inprocess")
+    due = iter([True] * 5 + [False] * 1000)
+    with monkeypatch.context() as patch:
+        patch.setattr(Checkpoints, "due", lambda self, last=False: next(due))
+        cut_short(patch, coupler.run, "probes", 10, run_coupled, *given)
+    return run_dir
+
+
+def test_a_run_that_ends_while_another_waits_to_resume_it_stays_as_it_is(cut):
+    """Whoever waits for the run to end looks at what it has left, not at what there was before."""
+    found = []
+
+    def resuming():
+        try:
+            found.append(unfinished(cut))
+        except BadInput as error:
+            found.append(str(error))
+
+    with claim(cut):  # it still goes on
+        waiting = threading.Thread(target=resuming)
+        waiting.start()
+        time.sleep(0.5)
+        assert found == []
+        result = json.loads((cut / "result.json").read_text())
+        (cut / "result.json").write_text(json.dumps(result | {"status": "finished"}))
+    waiting.join(10.0)
+    assert "has finished" in found[0]
+
+
+@pytest.mark.parametrize("spoiled", ["fluid", "run"])
+def test_a_checkpoint_that_does_not_fit_leaves_all_as_it_was(cut, spoiled):
+    again = unfinished(cut)
+    assert len((cut / "probes.csv").read_text().splitlines()) > 1 + again.last.notes["probe_rows"]
+    write_state(again.last.part(spoiled), {"nothing": np.zeros(1)})
+    before = everything(cut)
+    with pytest.raises(ShearwaterError, match="does not fit this run"):
+        resume_coupled(again, ONE, "inprocess", True)
+    assert everything(cut) == before
+
+
+def test_probes_that_were_cut_say_so(cut):
+    again = unfinished(cut)
+    (cut / "probes.csv").write_text("time\n")
     with pytest.raises(BadInput, match="has 1 lines"):
-        resume_coupled(tmp_path / "run", last, scene, ONE, "inprocess", True)
+        resume_coupled(again, ONE, "inprocess", True)
