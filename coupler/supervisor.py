@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import contextlib
 import os
+import signal
 import subprocess
 import sys
 from collections.abc import Iterator
@@ -11,6 +12,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from coupler.remote import Remote, RemoteError
+from shared.awake import Halt
 from shared.contract import BadInput, ParticipantLost, SolverFailed
 from shared.link_zenoh import ZenohLink, listening
 
@@ -28,26 +30,32 @@ class Solver:
     name: str
     process: subprocess.Popen
     log: Path
+    ready: bool = False  # whether it has been asked anything yet
+
+    def __post_init__(self) -> None:
+        self._halt = Halt(self.process.pid)
 
     def alive(self) -> None:
-        """Raises when the process has ended: its own error, or ParticipantLost with the end of its log, if any."""
+        """Raises when the process has ended: its own error, or ParticipantLost with the end of its log, if any; and
+        when it is stopped."""
         code = self.process.poll()
         if code is None:
+            if words := self._halt.too_long():
+                raise ParticipantLost(f"the {self.name} solver (process {self.process.pid}) {words}; it is ended")
             return
         text = self.log.read_text(errors="replace")
         if code in (BadInput.exit_code, SolverFailed.exit_code) and "error: " in text:
             raise RemoteError(text.rpartition("error: ")[2].strip(), code)
         how = f"was killed by signal {-code}" if code < 0 else f"ended with exit code {code}"
+        kept = "what it had written is kept" if self.ready else "it had not begun yet"
         tail = "\n".join(text.splitlines()[-_TAIL_LINES:])
         last_words = f" End of its log {self.log}:\n{tail}" if tail else ""
-        raise ParticipantLost(
-            f"the {self.name} solver (process {self.process.pid}) {how} in the middle of the run; "
-            f"what it had written is kept.{last_words}"
-        )
+        raise ParticipantLost(f"the {self.name} solver (process {self.process.pid}) {how}; {kept}.{last_words}")
 
     def stop(self) -> None:
-        """Ask the process to end, then kill it."""
+        """Ask the process to end, also one that is stopped, then kill it."""
         self.process.terminate()
+        self.process.send_signal(signal.SIGCONT)
         try:
             self.process.wait(_PATIENCE_S)
         except subprocess.TimeoutExpired:
@@ -84,7 +92,7 @@ def solver_processes(
     log_dir = run_dir / "log"
     log_dir.mkdir(exist_ok=True)
     with listening(run) as (session, endpoint), contextlib.ExitStack() as stack:
-        remotes, links, processes = {}, [], []
+        remotes, links, solvers = {}, [], []
         for name in PACKAGES:
             log = log_dir / f"{name}.txt"
             output = stack.enter_context(log.open("a"))
@@ -98,13 +106,15 @@ def solver_processes(
                 pass_fds=(claim,),
             )
             solver = Solver(name, process, log)
-            processes.append(process)
+            solvers.append(solver)
             stack.callback(solver.stop)
             links.append(ZenohLink(session, run, name, solver.alive, stall_after))
             remotes[name] = Remote(links[-1], run, name)
         for link in links:
             link.wait_connected(_CONNECT_WITHIN_S)
+        for solver in solvers:
+            solver.ready = True
         yield remotes
-        for process in processes:  # they end by themselves after `finish`
+        for solver in solvers:  # they end by themselves after `finish`
             with contextlib.suppress(subprocess.TimeoutExpired):
-                process.wait(_PATIENCE_S)
+                solver.process.wait(_PATIENCE_S)

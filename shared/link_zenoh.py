@@ -10,6 +10,9 @@ Key expressions, for run R and participant P (fluid, solid):
 At most one message is in flight per participant, so nothing is ever dropped for congestion; the blocking time is
 raised all the same, since zenoh closes a link, without an exception, when a reader stalls for longer.
 
+Whether a participant lives is told by its process, its heartbeats and its steps. Zenoh's own lease would end a run
+whose coupler or solver pauses for 10 s; with a lease of a day a connection ends when its socket does, at once.
+
 Whoever waits for a message sleeps in zenoh's own channel, which wakes it at once: a callback's thread in between would
 cost a fifth of the exchange. What else may end the wait puts an empty message into that channel, in its own session.
 """
@@ -26,6 +29,7 @@ from collections.abc import Callable, Iterator
 
 import zenoh
 
+from shared.awake import PAUSE_S, awake
 from shared.contract import EarlyModel, ParticipantLost, ShearwaterError
 from shared.service import Service
 from shared.slices import SHORTEST, set_slice
@@ -38,10 +42,13 @@ os.environ.setdefault("ZENOH_RUNTIME", _ONE_THREAD)
 
 _CONNECT_TIMEOUT_S = 20.0
 _HEARTBEAT_PERIOD_S = 1.0
-_SILENT_AFTER_S = 15.0  # beyond zenoh's own lease of 10 s
+_SILENT_AFTER_S = PAUSE_S + 2.0 * _HEARTBEAT_PERIOD_S  # the supervisor, who knows more, is to speak first
+_BROKEN_AFTER_S = 2.0  # a process that ends closes its connection first
 _FIRST_STEP_WITHIN_S = 900.0  # a first run compiles, on a busy machine for minutes
 _POLL_S = 0.2
 _CLOSE_WITHIN_S = 5.0
+_LEASE_S = 86400.0
+_STALLED_READER_S = {"peer": PAUSE_S + 5.0, "client": _LEASE_S}  # the coupler may pause for as long as it likes
 _MOST_WAITING = 4  # messages in a channel: one request or reply, and one that wakes
 
 
@@ -50,8 +57,8 @@ def _key(run: str, name: str, topic: str) -> str:
 
 
 def _config(mode: str, where: str, endpoint: str) -> zenoh.Config:
-    """No scouting, no shared memory, one endpoint; a reader may stall for a minute before zenoh gives up on it."""
-    config = zenoh.Config()
+    """No scouting, no shared memory, one endpoint; a pause does not end the connection."""
+    config, queue = zenoh.Config(), "transport/link/tx/queue"
     settings = {
         "mode": f'"{mode}"',
         where: f'["{endpoint}"]',
@@ -59,7 +66,8 @@ def _config(mode: str, where: str, endpoint: str) -> zenoh.Config:
         "scouting/gossip/enabled": "false",
         "scouting/delay": "0",
         "transport/shared_memory/enabled": "false",
-        "transport/link/tx/queue/congestion_control/block/wait_before_close": "60000000",  # µs
+        "transport/link/tx/lease": f"{1e3 * _LEASE_S:.0f}",  # ms
+        f"{queue}/congestion_control/block/wait_before_close": f"{1e6 * _STALLED_READER_S[mode]:.0f}",  # µs
         "connect/timeout_ms": str(int(_CONNECT_TIMEOUT_S * 1e3)),
         "connect/exit_on_failure": "true",
     }
@@ -126,9 +134,9 @@ class ZenohLink:
         self._alive = alive
         self._stall_after = stall_after
         self._connected = threading.Event()
-        self._gone = threading.Event()
-        self._beat = (time.monotonic(), "")  # arrival of the last heartbeat, and its text
-        self._progress = time.monotonic()  # when the text last changed
+        self._broken: float | None = None  # when its connection ended
+        self._beat = (awake(), "")  # arrival of the last heartbeat, and its text
+        self._progress = awake()  # when the text last changed
         self._waiting = False
         self._lost: ShearwaterError | None = None
         self._replies, self._wake = _channel(session, _key(run, name, "reply"))
@@ -142,25 +150,28 @@ class ZenohLink:
         threading.Thread(target=_watch, args=(weakref.ref(self),), daemon=True).start()
 
     def _on_heartbeat(self, sample: zenoh.Sample) -> None:
-        now, text = time.monotonic(), sample.payload.to_string()
+        now, text = awake(), sample.payload.to_string()
         if text != self._beat[1]:
             self._progress = now
         self._beat = (now, text)
 
     def _on_liveliness(self, sample: zenoh.Sample) -> None:
-        (self._gone if sample.kind == zenoh.SampleKind.DELETE else self._connected).set()
+        if sample.kind == zenoh.SampleKind.DELETE:
+            self._broken = awake()
+        else:
+            self._connected.set()
 
     def wait_connected(self, timeout: float) -> None:
         """Wait until the participant has connected; raises ParticipantLost after `timeout` [s]."""
-        deadline = time.monotonic() + timeout
+        deadline = awake() + timeout
         while not self._connected.wait(_POLL_S):
             self._alive()
-            if time.monotonic() > deadline:
+            if awake() > deadline:
                 raise ParticipantLost(f"the {self.name} participant did not connect within {timeout:g} s")
 
     def send(self, request: bytes) -> None:
         """Send a request."""
-        self._progress = time.monotonic()
+        self._progress = awake()
         self._beat = (self._progress, self._beat[1])
         self._publisher.put(request)
 
@@ -175,6 +186,7 @@ class ZenohLink:
 
     def watch(self) -> None:
         """End the wait for a reply that will not come."""
+        awake()
         if not self._waiting or self._lost is not None:
             return
         try:
@@ -185,9 +197,9 @@ class ZenohLink:
 
     def _check(self) -> None:
         self._alive()
-        now = time.monotonic()
-        if self._gone.is_set():
-            raise ParticipantLost(f"the {self.name} participant closed its connection in the middle of the run")
+        now = awake()
+        if self._broken is not None and now - self._broken > _BROKEN_AFTER_S:
+            raise ParticipantLost(f"the connection to the {self.name} participant has ended; its process has not")
         if now - self._beat[0] > _SILENT_AFTER_S:
             raise ParticipantLost(
                 f"the {self.name} participant has sent no heartbeat for {now - self._beat[0]:.0f} s: "

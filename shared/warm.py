@@ -18,6 +18,7 @@ from pathlib import Path
 import numba
 import numpy as np
 
+from shared.awake import wait_for
 from shared.contract import Kinematics, Loads, Model, ShearwaterError
 from shared.schema import Scene
 from shared.sides import own_probes
@@ -41,28 +42,28 @@ def stamp(scene: Scene, side: str) -> Path:
 def fill_cache(packages: Mapping[str, str], case: Path, scene: Scene) -> None:
     """Compile what is missing for each side's package, in child processes side by side; `case` is the scene's file.
 
-    A child that fails says nothing here: the run itself will meet the same error and report it.
+    A child that fails says nothing here: the run itself will meet the same error and report it. Raises ParticipantLost
+    where one is stopped.
     """
-    parts = []
+    parts = {}
     for side, package in packages.items():
         if not stamp(scene, side).exists():
-            parts.append([package, "warm", str(case)])
+            parts[f"compiles the {side} side"] = [package, "warm", str(case)]
             if side == "fluid" and scene.fluid.model in _SWEEPING:
-                parts.append([package, "warm", str(case), "--sweeps"])
-    children = [
-        subprocess.Popen(
+                parts[f"compiles the {side} side's sweeps"] = [package, "warm", str(case), "--sweeps"]
+    children = {
+        name: subprocess.Popen(
             [sys.executable, "-m", *part],
             stdin=subprocess.DEVNULL,
             stdout=subprocess.DEVNULL,
             stderr=subprocess.DEVNULL,
         )
-        for part in parts
-    ]
+        for name, part in parts.items()
+    }
     try:
-        for child in children:
-            child.wait()
+        wait_for(children)
     finally:
-        for child in children:
+        for child in children.values():
             child.kill()
             child.wait()
 
