@@ -14,7 +14,8 @@ Whether a participant lives is told by its process, its heartbeats and its steps
 whose coupler or solver pauses for 10 s; with a lease of a day a connection ends when its socket does, at once.
 
 Whoever waits for a message sleeps in zenoh's own channel, which wakes it at once: a callback's thread in between would
-cost a fifth of the exchange. What else may end the wait puts an empty message into that channel, in its own session.
+cost a fifth of the exchange. What else may end the wait puts an empty message into that channel, in its own session;
+so does the clock, once a second, for Python answers no signal while zenoh waits.
 """
 
 from __future__ import annotations
@@ -46,6 +47,7 @@ _SILENT_AFTER_S = PAUSE_S + 2.0 * _HEARTBEAT_PERIOD_S  # the supervisor, who kno
 _BROKEN_AFTER_S = 2.0  # a process that ends closes its connection first
 _FIRST_STEP_WITHIN_S = 900.0  # a first run compiles, on a busy machine for minutes
 _POLL_S = 0.2
+_HEED_SIGNALS_EVERY_S = 1.0
 _CLOSE_WITHIN_S = 5.0
 _LEASE_S = 86400.0
 _STALLED_READER_S = {"peer": PAUSE_S + 5.0, "client": _LEASE_S}  # the coupler may pause for as long as it likes
@@ -138,6 +140,7 @@ class ZenohLink:
         self._beat = (awake(), "")  # arrival of the last heartbeat, and its text
         self._progress = awake()  # when the text last changed
         self._waiting = False
+        self._woken = awake()  # when the reader was last woken, or began to wait
         self._lost: ShearwaterError | None = None
         self._replies, self._wake = _channel(session, _key(run, name, "reply"))
         self._entities = [
@@ -173,26 +176,29 @@ class ZenohLink:
         """Send a request."""
         self._progress = awake()
         self._beat = (self._progress, self._beat[1])
+        self._woken = self._progress
         self._publisher.put(request)
 
     def receive(self) -> bytes:
         """Wait for the reply; raises ParticipantLost when the participant died, went silent or stalled."""
         self._waiting = True
-        reply = self._replies.recv().payload.to_bytes()
+        while not (reply := self._replies.recv().payload.to_bytes()):
+            if self._lost is not None:
+                raise self._lost
         self._waiting = False
-        if not reply:
-            raise self._lost
         return reply
 
     def watch(self) -> None:
-        """End the wait for a reply that will not come."""
-        awake()
+        """End the wait for a reply that will not come; let one who waits for long heed signals."""
+        now = awake()
         if not self._waiting or self._lost is not None:
             return
         try:
             self._check()
         except ShearwaterError as error:
             self._lost = error
+        if self._lost is not None or now - self._woken > _HEED_SIGNALS_EVERY_S:
+            self._woken = now
             self._wake()
 
     def _check(self) -> None:

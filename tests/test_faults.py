@@ -211,6 +211,20 @@ def test_a_run_of_stopped_solvers_can_be_interrupted(starting):
     assert ended(process)[0] == 130
 
 
+def test_a_run_whose_solver_is_stopped_stops_at_once_when_asked_twice(running):
+    process, solvers, out = running
+    os.kill(solvers["solid_solver"], signal.SIGSTOP)
+    time.sleep(0.5)
+    for _ in range(2):
+        process.send_signal(signal.SIGINT)
+        time.sleep(1.5)
+    assert all_gone([process.pid, *solvers.values()], within=6.0)
+    code, errors = ended(process)
+    assert code == 130
+    assert "ask again to stop at once" in errors
+    assert readable(out)["status"] == "interrupted"
+
+
 def test_a_solver_that_is_killed_as_it_starts_had_not_begun(starting):
     process, solvers = starting()
     os.kill(solvers["solid_solver"], signal.SIGKILL)
