@@ -47,10 +47,11 @@ class Record:
         self._scene, self._case, self._threads = scene, case, dict(threads)
         self._time = 0.0 if last is None else last.time
         self._wall_before = 0.0 if last is None else last.notes["wall_s"]
-        self._text = dump_scene(scene)
         self._moved = last is None
+        case_file = run_dir / "case.toml"
         if last is None:
-            (run_dir / "case.toml").write_text(self._text, encoding="utf-8")
+            case_file.write_text(dump_scene(scene), encoding="utf-8")
+        self._text = case_file.read_text(encoding="utf-8")
         self.claim = held or claim(run_dir)
         self._table = ProbeTable(run_dir / "probes.csv", probe_units(scene), last and last.notes["probe_rows"])
         self._progress = Progress(scene.title, scene.end_time, quiet)
@@ -71,6 +72,7 @@ class Record:
         """What a checkpoint has to know of the record, for one that goes on with it."""
         return {
             "case": self._case,
+            "scene": self._text,
             "threads": self._threads,
             "probe_rows": self._table.rows,
             "wall_s": self._wall(),

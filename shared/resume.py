@@ -3,10 +3,13 @@
 from __future__ import annotations
 
 import json
+import shlex
 import sys
+import tomllib
+from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TextIO
+from typing import Any, TextIO
 
 from shared.checkpoint import Checkpoint, claim, newest
 from shared.contract import BadInput
@@ -14,6 +17,8 @@ from shared.plain import plain
 from shared.results import environment
 from shared.scene import load_scene
 from shared.schema import Scene
+
+_FREE = ("coupling.stall_after", "output.checkpoint_every")  # keys that no result depends on
 
 
 @dataclass(frozen=True)
@@ -47,11 +52,38 @@ def _found(run_dir: Path) -> tuple[Scene, Checkpoint]:
         result = {}  # killed before it could say how it went
     if result.get("status") == "finished":
         raise BadInput(f"The run in {run_dir} has finished: there is nothing to go on with.")
-    last = newest(run_dir)
-    other = other_environment(last)
-    if other:
+    last, case = newest(run_dir), run_dir / "case.toml"
+    scene = load_scene(case)
+    text = case.read_text(encoding="utf-8-sig")
+    if changes := _changes(last.notes.get("scene", text), text):
+        raise BadInput(
+            f"{case} is not the scene that the run went by up to t = {last.time:.4g} s: {'; '.join(changes)}. Put it "
+            f"back and resume, or run it from the start: coupler run {shlex.quote(str(case))} --out DIR"
+        )
+    if other := other_environment(last):
         print(f"warning: results may differ in the last bits: {'; '.join(other)}", file=sys.stderr)
-    return load_scene(run_dir / "case.toml"), last
+    return scene, last
+
+
+def _changes(then: str, now: str) -> list[str]:
+    """Keys of a scene's text that differ and may not, with both values."""
+    old, new = (dict(_leaves(tomllib.loads(text))) for text in (then, now))
+    keys = [key for key in old | new if old.get(key) != new.get(key) and key not in _FREE]
+    return [f"{key} = {_shown(new.get(key))}, was {_shown(old.get(key))}" for key in keys]
+
+
+def _leaves(value: Any, path: str = "") -> Iterator[tuple[str, Any]]:
+    """The values in tables and lists, each with its path."""
+    inner = value.items() if isinstance(value, dict) else enumerate(value) if isinstance(value, list) else ()
+    for key, one in inner:
+        place = f"{path}[{key}]" if isinstance(value, list) else f"{path}.{key}".lstrip(".")
+        yield from _leaves(one, place)
+    if not isinstance(value, dict | list):
+        yield path, value
+
+
+def _shown(value: Any) -> str:
+    return "nothing" if value is None else json.dumps(value, ensure_ascii=False)
 
 
 def other_environment(last: Checkpoint) -> list[str]:

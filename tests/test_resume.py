@@ -255,6 +255,20 @@ def test_a_checkpoint_that_does_not_fit_leaves_all_as_it_was(cut, spoiled):
     assert everything(cut) == before
 
 
+def test_a_scene_changed_since_is_refused(cut):
+    case = cut / "case.toml"
+    text = case.read_text(encoding="utf-8")
+    probe = '\n[[probes]]\nname = "x"\nquantity = "leaked"\n'
+    case.write_text(text.replace("end_time = 0.02", "end_time = 0.03") + probe, encoding="utf-8")
+    with pytest.raises(BadInput, match=r"end_time = 0\.03, was 0\.02.*--out DIR") as refusal:
+        unfinished(cut)
+    assert '.name = "x", was nothing' in str(refusal.value)
+    often = text.replace("checkpoint_every = 1e-09", "checkpoint_every = 60")
+    assert often != text
+    case.write_text(f"# a comment\n{often}", encoding="utf-8")
+    assert resume_coupled(unfinished(cut), ONE, "inprocess", True).result["status"] == "finished"
+
+
 def test_probes_that_were_cut_say_so(cut):
     again = unfinished(cut)
     (cut / "probes.csv").write_text("time\n")
