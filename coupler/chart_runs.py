@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 import os
 import shutil
 import subprocess
@@ -17,7 +16,8 @@ from coupler.chart_variants import Variant
 from coupler.guard import end
 from coupler.supervisor import PACKAGES
 from shared.commands import case_name
-from shared.results import write_result
+from shared.contract import BadInput
+from shared.results import read_result, write_result
 from shared.schema import Scene
 
 
@@ -70,11 +70,11 @@ def command(scene: Scene, case: str) -> list[str]:
 
 
 def _finished(run_dir: Path) -> dict[str, Any] | None:
-    """The result of a run that ended by itself, finished or failed; None if there is none."""
-    path = run_dir / "result.json"
-    if not path.exists():
+    """The result of a run that ended by itself, finished or failed; None if there is none that can be read."""
+    try:
+        result = read_result(run_dir)
+    except BadInput:
         return None
-    result = json.loads(path.read_text(encoding="utf-8"))
     return result if result["status"] in ("finished", "failed") else None
 
 

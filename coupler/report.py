@@ -5,7 +5,7 @@ from __future__ import annotations
 import base64
 import csv
 import io
-import json
+import shlex
 from collections.abc import Iterable, Mapping
 from html import escape
 from pathlib import Path
@@ -13,9 +13,10 @@ from typing import Any
 
 import numpy as np
 
+from shared.checkpoint import is_claimed, way_on
 from shared.contract import BadInput, ShearwaterError
 from shared.drawing import FONT_PT, INK, axes_at, new_figure
-from shared.results import loss
+from shared.results import loss, read_result
 from shared.scene import load_scene
 
 _WIDTH_IN, _HEIGHT_IN = 6.5, 2.8
@@ -31,16 +32,32 @@ img { max-width: 100%; display: block; margin: .5rem 0 1.5rem } h2 { margin-top:
 
 def write_report(run_dir: Path, out: Path | None = None) -> Path:
     """Write `run_dir`/report.html, or `out`; its path. Raises BadInput if the folder holds no result."""
-    path = run_dir / "result.json"
-    if not path.exists():
-        raise BadInput(f"{run_dir} holds no result.json: name the directory of a run that ended, like runs/dam_break")
-    result = json.loads(path.read_text(encoding="utf-8"))
+    if not (run_dir / "result.json").exists():
+        raise BadInput(f"{run_dir} holds no result.json: {_why_none(run_dir)}")
+    result = read_result(run_dir)
     out = out or run_dir / "report.html"
     try:
-        out.write_text(report_page(run_dir, result), encoding="utf-8")
+        page = report_page(run_dir, result)
+    except (AttributeError, KeyError, TypeError, ValueError) as error:
+        raise BadInput(
+            f"{run_dir}: its result.json or its ledger.csv does not hold what a run writes there "
+            f"({type(error).__name__}: {error}); run its case.toml again, with --out in a new directory"
+        ) from error
+    try:
+        out.write_text(page, encoding="utf-8")
     except OSError as error:
         raise ShearwaterError(f"{out} cannot be written ({error}); choose another place with --out FILE") from error
     return out
+
+
+def _why_none(run_dir: Path) -> str:
+    """Why a folder holds no result, and what to do."""
+    if not (run_dir / "case.toml").exists():
+        return "name the directory of a run that ended, like runs/dam_break"
+    if is_claimed(run_dir):
+        return "its run is still going on, and writes one when it ends"
+    way = way_on(run_dir) or f"run it again: coupler run {shlex.quote(str(run_dir / 'case.toml'))} --out DIR"
+    return f"its run was killed before it could write one; {way}"
 
 
 def report_page(run_dir: Path, result: Mapping[str, Any]) -> str:
@@ -99,7 +116,7 @@ def _ledger(run_dir: Path, sums: Mapping[str, Any] | None) -> Iterable[str]:
     path = run_dir / "ledger.csv"
     if path.exists():
         with path.open(newline="") as file:
-            rows = list(csv.DictReader(file))
+            rows = [row for row in csv.DictReader(file) if None not in row.values()]  # the last may be cut short
         if rows:
             yield _image(_ledger_picture(rows))
 

@@ -164,6 +164,16 @@ def way_on(run_dir: Path) -> str:
     return f"go on from t = {last.time:.4g} s with: coupler resume {shlex.quote(str(run_dir))}"
 
 
+def is_claimed(run_dir: Path) -> bool:
+    """Whether somebody writes to this run."""
+    with (run_dir / "case.toml").open(encoding="utf-8") as file:
+        try:
+            fcntl.flock(file, fcntl.LOCK_EX | fcntl.LOCK_NB)
+        except OSError:
+            return True
+    return False
+
+
 def claim(run_dir: Path) -> TextIO:
     """Keep everybody else from writing to this run until the file returned, and every copy of it that a process
     inherits, is closed. Raises BadInput."""

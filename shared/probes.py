@@ -148,11 +148,19 @@ class ProbeTable:
 
 
 def read_probes(path: str | Path) -> tuple[np.ndarray, dict[str, np.ndarray]]:
-    """Times (n,) [s] and the history (n,) of each probe, from a probes.csv; a last line cut short is left out."""
-    with Path(path).open(newline="") as file:
-        header, *rows = csv.reader(file)
-    whole = [row for row in rows if len(row) == len(header)]
-    columns = np.array(whole, dtype=float).reshape(len(whole), len(header)).T
+    """Times (n,) [s] and the history (n,) of each probe, from a probes.csv; a last line cut short is left out.
+
+    Raises BadInput.
+    """
+    try:
+        with Path(path).open(newline="", encoding="utf-8") as file:
+            header, *rows = csv.reader(file)
+        whole = [row for row in rows if len(row) == len(header)]
+        columns = np.array(whole, dtype=float).reshape(len(whole), len(header)).T
+    except (OSError, ValueError, csv.Error) as error:
+        raise BadInput(
+            f"{path} is not a readable table of probes ({error}): remove its run, and run it again"
+        ) from None
     return columns[0], dict(zip(header[1:], columns[1:], strict=True))
 
 

@@ -21,6 +21,8 @@ from shared.schema import Scene
 
 RESULT_SCHEMA = 1
 
+_KEYS = ("case", "status", "reason", "t_end", "probes", "references", "cost", "environment")
+_ANEW = "Run its case.toml again, with --out in a new directory."
 _SIDES = ("fluid", "solid")
 _SIDE_KEYS = ("model", "particles", "steps", "particle_steps_per_s", "peak_MiB")
 _COUPLING_KEYS = ("scheme", "windows", "iterations_mean", "wait_s", "overhead_fraction")
@@ -142,6 +144,19 @@ def write_result(run_dir: Path, result: Mapping[str, Any]) -> Path:
             f"or choose another place with --out DIR."
         ) from error
     return path
+
+
+def read_result(run_dir: Path) -> dict[str, Any]:
+    """What `write_result` wrote. Raises BadInput."""
+    path = Path(run_dir) / "result.json"
+    try:
+        result = json.loads(path.read_text(encoding="utf-8"))
+    except (OSError, ValueError) as error:
+        raise BadInput(f"{path} cannot be read ({error}). {_ANEW}") from None
+    missing = [key for key in _KEYS if key not in result] if isinstance(result, dict) else _KEYS
+    if missing:
+        raise BadInput(f"{path} is not a run's result, for it lacks {', '.join(missing)}. {_ANEW}")
+    return result
 
 
 def environment(threads: Mapping[str, int]) -> dict[str, Any]:

@@ -9,6 +9,7 @@ import pytest
 
 from coupler.chart import make_chart, pareto, slopes
 from coupler.chart_files import COLUMNS, summary, write_chart
+from coupler.chart_runs import _finished
 from coupler.chart_truth import find_truth, spread
 from coupler.chart_variants import study_variants
 from shared.contract import BadInput
@@ -110,3 +111,8 @@ def test_every_mistake_of_a_study_is_reported(case):
 def test_shipped_studies_hold_valid_scenes_and_each_once(name):
     variants = study_variants(name)
     assert len({v.folder for v in variants}) == len(variants)
+
+
+def test_a_damaged_result_counts_as_none(tmp_path):
+    (tmp_path / "result.json").write_text('{"status": "fin', encoding="utf-8")
+    assert _finished(tmp_path) is None
