@@ -10,7 +10,7 @@ import numpy as np
 
 from shared.checkpoint import Checkpoint, Checkpoints
 from shared.clock import Clock
-from shared.contract import BadInput, Kinematics, Model, ShearwaterError
+from shared.contract import BadInput, Kinematics, Model, ParticipantLost, ShearwaterError
 from shared.participant import Participant, own_faces
 from shared.record import Record
 from shared.recording import RUN, messages, recording_of
@@ -65,7 +65,7 @@ def replay_alone(
     """Run the `side` of a coupled scene as its partner drove it in the run whose directory is `recorded`.
 
     The frames and probes are those of that run, to the byte, unless the scene has been changed. Raises BadInput where
-    the recording does not fit the scene.
+    the recording does not fit the scene, and ParticipantLost, with all replayed that there is, where it ends too soon.
     """
     source = recording_of(recorded, side)
     told = messages(source)
@@ -90,6 +90,11 @@ def replay_alone(
             participant.close()
             cost = participant.finish()
             record.cost |= {"core_s": cost.pop("core_s"), side: cost}
+        if reply.t1 < scene.end_time:
+            raise ParticipantLost(
+                f"the recording {source} ends at t = {reply.t1:.6g} s of end_time = {scene.end_time:g} s, and the "
+                f"replay with it: its run was cut short. Go on with that first: coupler resume {recorded}"
+            )
     return record
 
 

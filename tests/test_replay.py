@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
+import json
+
 import pytest
 
 import coupler.run
 import fluid_solver.models
 import solid_solver.models
 from coupler.run import resume_coupled, run_coupled
-from shared.contract import BadInput
+from shared.contract import BadInput, ParticipantLost
 from shared.recording import messages, recording_of
 from shared.resume import unfinished
 from shared.scene import load_scene
@@ -49,6 +51,17 @@ def test_a_run_that_was_cut_short_has_the_same_recording(recorded, tmp_path, mon
     resume_coupled(unfinished(tmp_path / "run"), ONE, "inprocess", True)
     for side in ("fluid", "solid"):
         assert recording_of(tmp_path / "run", side).read_bytes() == recording_of(run_dir, side).read_bytes()
+
+
+def test_a_recording_that_ends_too_soon_says_when(recorded, tmp_path):
+    run_dir, scene = recorded
+    whole = recording_of(run_dir, "fluid").read_bytes()
+    (tmp_path / "fluid.exchange").write_bytes(whole[: len(whole) * 2 // 3])
+    with pytest.raises(ParticipantLost, match=r"ends at t = 0\.00\d+ s of end_time = 0\.01 s"):
+        replay_alone(scene, "tiny", "fluid", FACTORIES["fluid"], tmp_path / "run", 1, True, tmp_path)
+    result = json.loads((tmp_path / "run" / "result.json").read_text())
+    assert (result["status"], 0.0 < result["t_end"] < 0.01) == ("failed", True)
+    assert "ends at t" in result["reason"]
 
 
 def test_what_cannot_be_replayed(recorded, tmp_path):
