@@ -2,7 +2,8 @@
 
     checkpoints/window-0000001200/  fluid.h5 solid.h5    state of each side, written by that side
                                     run.h5               what lies between them: histories, sums
-                                    manifest.json        written last: window, time, checksum of every part, cost so far
+                                    manifest.json        written last: window, time, cost so far, checksums of every part
+                                                         and of all this
 
 A folder counts once its manifest stands and all checksums hold; the two newest are kept. A part is made in memory and
 written by plain writes, so that a full disk is an error like any other and spoils nothing that stands.
@@ -14,7 +15,6 @@ import fcntl
 import hashlib
 import io
 import json
-import logging
 import os
 import shlex
 import shutil
@@ -29,8 +29,6 @@ import numpy as np
 
 from shared.contract import BadInput, ShearwaterError
 from shared.plain import plain
-
-log = logging.getLogger("shearwater")
 
 State = dict[str, np.ndarray]
 """Named arrays; a name may be a path like "loads/0/force"."""
@@ -132,6 +130,7 @@ class Checkpoints:
         """All parts are there: the manifest makes them a checkpoint; all but the two newest go."""
         parts = {path.name: _checksum(path) for path in sorted(folder.glob("*.h5"))}
         manifest = {"window": window, "t": now, "parts": parts, "notes": plain(notes)}
+        manifest["sum"] = _sum(manifest)
         _write(folder / _MANIFEST, json.dumps(manifest, indent=1).encode())
         for old in sorted(self._root.glob("window-*"))[:-_KEPT]:
             shutil.rmtree(old, ignore_errors=True)
@@ -140,19 +139,41 @@ class Checkpoints:
 
 def newest(run_dir: Path) -> Checkpoint:
     """The newest complete checkpoint of a run. Raises BadInput if there is none."""
-    for folder in sorted((Path(run_dir) / FOLDER).glob("window-*"), reverse=True):
-        try:
-            manifest = json.loads((folder / _MANIFEST).read_text())
-            spoiled = [name for name, sum_ in manifest["parts"].items() if _checksum(folder / name) != sum_]
-        except (OSError, ValueError, KeyError):
-            continue  # begun, and never sealed
-        if not spoiled:
-            return Checkpoint(folder, manifest["window"], manifest["t"], manifest["notes"])
-        log.warning("checkpoint %s is damaged (%s): an older one is taken", folder, ", ".join(spoiled))
+    found, damaged = look(run_dir)
+    if found is not None:
+        return found
+    if damaged:
+        raise BadInput(f"No checkpoint of {run_dir} can be gone on from: {'; '.join(damaged)}. {AGAIN}")
     raise BadInput(
         f"{run_dir} holds no complete checkpoint to go on from: it is not the directory of a run, or its run was over "
         f"before the first one. {AGAIN}"
     )
+
+
+def look(run_dir: Path) -> tuple[Checkpoint | None, list[str]]:
+    """The newest complete checkpoint of a run, if there is one, and what is wrong with those that are newer."""
+    damaged = []
+    for folder in sorted((Path(run_dir) / FOLDER).glob("window-*"), reverse=True):
+        if not (folder / _MANIFEST).exists():
+            continue  # begun, and never sealed
+        if not (spoiled := _spoiled(folder)):
+            manifest = json.loads((folder / _MANIFEST).read_text())
+            return Checkpoint(folder, manifest["window"], manifest["t"], manifest["notes"]), damaged
+        damaged.append(f"{folder} is damaged ({', '.join(spoiled)})")
+    return None, damaged
+
+
+def _spoiled(folder: Path) -> list[str]:
+    """Files of a sealed checkpoint that are gone or not as they were written."""
+    try:
+        manifest = json.loads((folder / _MANIFEST).read_text())
+        sum_ = manifest.pop("sum", None)  # earlier versions had none
+        parts = manifest["parts"].items()
+    except (OSError, ValueError, KeyError, TypeError, AttributeError):
+        return [_MANIFEST]
+    if sum_ is not None and _sum(manifest) != sum_:
+        return [_MANIFEST]
+    return [name for name, written in parts if _checksum(folder / name) != written]
 
 
 def way_on(run_dir: Path) -> str:
@@ -206,8 +227,16 @@ def _write(path: Path, data: bytes) -> None:
 
 
 def _checksum(path: Path) -> str:
-    with path.open("rb") as file:
-        return hashlib.file_digest(file, "sha256").hexdigest()
+    """That of a file; nothing where it cannot be read."""
+    try:
+        with path.open("rb") as file:
+            return hashlib.file_digest(file, "sha256").hexdigest()
+    except OSError:
+        return ""
+
+
+def _sum(manifest: Mapping[str, Any]) -> str:
+    return hashlib.sha256(json.dumps(manifest, sort_keys=True).encode()).hexdigest()
 
 
 def _cannot_write(path: Path, error: OSError) -> ShearwaterError:

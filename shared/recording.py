@@ -1,7 +1,8 @@
 """What one side of a coupled run was told, kept in a file, so that it can be told again without the partner.
 
-A recording is the coupler's requests to that side (wire.py) for the windows as they were accepted, one after the other,
-each behind its length as 8 bytes, little-endian: describe, start, then one final advance per window.
+A recording is the coupler's requests to that side (wire.py) for the windows as they were accepted, one after the other:
+describe, start, then one final advance per window. Each stands behind a head of 16 bytes, little-endian: its length
+(8), its CRC-32 (4), and the CRC-32 of these twelve (4), so that a changed byte is told from a file cut short.
 """
 
 from __future__ import annotations
@@ -9,6 +10,7 @@ from __future__ import annotations
 import struct
 from collections.abc import Iterator
 from pathlib import Path
+from zlib import crc32
 
 from shared.contract import BadInput
 from shared.wire import Message, encode
@@ -16,7 +18,8 @@ from shared.wire import Message, encode
 RUN = "recorded"
 """Identity of the run in the messages of every recording."""
 
-_LENGTH = struct.Struct("<Q")
+_HEAD = struct.Struct("<QI")
+_SUM = struct.Struct("<I")
 _BEFORE_WINDOWS = 2  # describe and start
 
 
@@ -49,7 +52,8 @@ class Recorder:
             self._file.truncate()
             self._beyond = False
         data = encode(Message(RUN, "coupler", verb, self._sequence, **parts))
-        self._file.write(_LENGTH.pack(len(data)) + data)
+        head = _HEAD.pack(len(data), crc32(data))
+        self._file.write(head + _SUM.pack(crc32(head)) + data)
         self._sequence += 1
 
     def flush(self) -> None:
@@ -74,10 +78,19 @@ def messages(path: Path) -> Iterator[bytes]:
 
 
 def _next(file) -> bytes:
-    """The next whole message, or nothing."""
-    head = file.read(_LENGTH.size)
-    if len(head) < _LENGTH.size:
+    """The next whole message, or nothing. Raises BadInput where bytes have been changed."""
+    place = file.tell()
+    head, own = file.read(_HEAD.size), file.read(_SUM.size)
+    if len(own) < _SUM.size:
         return b""
-    (length,) = _LENGTH.unpack(head)
-    data = file.read(length)
-    return data if len(data) == length else b""
+    length, sum_ = _HEAD.unpack(head)
+    whole = _SUM.unpack(own)[0] == crc32(head)
+    data = file.read(length) if whole else b""
+    if whole and len(data) < length:
+        return b""
+    if not whole or crc32(data) != sum_:
+        raise BadInput(
+            f"The recording {file.name} is damaged in the message at byte {place}, or another version wrote it: record "
+            "the run again, with --set output.exchange=true and --out in a new directory."
+        )
+    return data

@@ -76,6 +76,16 @@ def test_what_cannot_be_replayed(recorded, tmp_path):
         replay_alone(other, "tiny", "fluid", FACTORIES["fluid"], tmp_path / "b", 1, True, run_dir)
 
 
+@pytest.mark.parametrize("place", [3, 9, 14, 20, 0.5])
+def test_a_changed_byte_is_told_from_a_cut(recorded, tmp_path, place):
+    """In the length, in the sums, in the first message, and in the middle of the loads."""
+    data = bytearray(recording_of(recorded[0], "solid").read_bytes())
+    data[place if isinstance(place, int) else int(place * len(data))] ^= 0x10
+    (tmp_path / "spoiled").write_bytes(data)
+    with pytest.raises(BadInput, match=r"spoiled is damaged in the message at byte \d+"):
+        list(messages(tmp_path / "spoiled"))
+
+
 def test_a_recording_cut_short_ends_with_its_last_whole_message(recorded, tmp_path):
     path = recording_of(recorded[0], "solid")
     whole = list(messages(path))

@@ -183,6 +183,16 @@ def test_two_newest_are_kept_and_a_damaged_one_is_passed_over(tmp_path):
     assert sorted((tmp_path / "checkpoints").iterdir()) == [folders[1], begun]
 
 
+def test_a_manifest_is_whole_or_damaged(tmp_path):
+    checkpoints = Checkpoints(tmp_path, 1e9)
+    path = sealed(checkpoints, 5, 1.0) / "manifest.json"
+    text = path.read_text()
+    for other in (text.replace('"t": 0.5', '"t": 0.6'), text[:-9], "[]", "{}"):
+        path.write_text(other)
+        with pytest.raises(BadInput, match=r"window-0000000005 is damaged \(manifest\.json\)"):
+            newest(tmp_path)
+
+
 def test_a_checkpoint_that_cannot_be_written_is_a_clear_error(tmp_path):
     (tmp_path / "checkpoints").write_text("in the way")
     with pytest.raises(ShearwaterError, match=r"cannot be written.*checkpoint_every=0"):
