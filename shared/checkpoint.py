@@ -2,8 +2,8 @@
 
     checkpoints/window-0000001200/  fluid.h5 solid.h5    state of each side, written by that side
                                     run.h5               what lies between them: histories, sums
-                                    manifest.json        written last: window, time, cost so far, checksums of every part
-                                                         and of all this
+                                    manifest.json        written last: window, time, cost so far, checksums of all parts
+                                                         and of itself
 
 A folder counts once its manifest stands and all checksums hold; the two newest are kept. A part is made in memory and
 written by plain writes, so that a full disk is an error like any other and spoils nothing that stands.

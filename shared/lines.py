@@ -5,6 +5,7 @@ from __future__ import annotations
 import os
 from pathlib import Path
 
+from shared.checkpoint import AGAIN
 from shared.contract import BadInput
 
 
@@ -47,9 +48,9 @@ def _first_lines(path: Path, count: int) -> list[str]:
         with path.open(newline="\n", encoding="utf-8") as file:
             lines = file.readlines()
     except FileNotFoundError:
-        raise BadInput(f"{path} is gone, and had {count} lines at the checkpoint: the run cannot go on.") from None
+        raise BadInput(f"{path} is gone, and had {count} lines at the checkpoint. {AGAIN}") from None
     except (OSError, ValueError) as error:
-        raise BadInput(f"{path} cannot be read ({error}): the run cannot go on.") from None
+        raise BadInput(f"{path} cannot be read ({error}): the run cannot go on. {AGAIN}") from None
     if len(lines) < count:
-        raise BadInput(f"{path} has {len(lines)} lines, and had {count} at the checkpoint: the run cannot go on.")
+        raise BadInput(f"{path} has {len(lines)} lines, and had {count} at the checkpoint. {AGAIN}")
     return lines[:count]

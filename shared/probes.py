@@ -10,6 +10,7 @@ from typing import Any
 
 import numpy as np
 
+from shared.checkpoint import AGAIN
 from shared.contract import BadInput, ShearwaterError
 from shared.curves import read_curve
 from shared.lines import Lines
@@ -131,7 +132,7 @@ class ProbeTable:
             row = []
         wanted = 1 + len(self.units)
         if len(row) != wanted:
-            raise BadInput(f"{self.path}: line {number} does not hold {wanted} numbers: the run cannot go on.")
+            raise BadInput(f"{self.path}: line {number} does not hold {wanted} numbers. {AGAIN}")
         return row
 
     def _write(self, cells: list[str]) -> None:

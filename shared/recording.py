@@ -12,6 +12,7 @@ from collections.abc import Iterator
 from pathlib import Path
 from zlib import crc32
 
+from shared.checkpoint import AGAIN
 from shared.contract import BadInput
 from shared.wire import Message, encode
 
@@ -40,10 +41,10 @@ class Recorder:
         try:
             self._file = path.open("r+b")
         except OSError as error:
-            raise BadInput(f"The recording {path} cannot be gone on with ({error}).") from error
+            raise BadInput(f"The recording {path} cannot be gone on with ({error}). {AGAIN}") from error
         for _ in range(_BEFORE_WINDOWS + windows):
             if not _next(self._file):
-                raise BadInput(f"{path} ends after {self._sequence} messages: the recording cannot be gone on with.")
+                raise BadInput(f"The recording {path} ends after {self._sequence} messages. {AGAIN}")
             self._sequence += 1
 
     def add(self, verb: str, **parts) -> None:

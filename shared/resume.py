@@ -11,12 +11,13 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, TextIO
 
-from shared.checkpoint import Checkpoint, claim, newest
+from shared.checkpoint import Checkpoint, claim, look, newest
 from shared.contract import BadInput
 from shared.plain import plain
 from shared.results import environment
 from shared.scene import load_scene
 from shared.schema import Scene
+from shared.vtkhdf import check_frames
 
 _FREE = ("coupling.stall_after", "output.checkpoint_every")  # keys that no result depends on
 
@@ -53,6 +54,7 @@ def _found(run_dir: Path) -> tuple[Scene, Checkpoint]:
     if result.get("status") == "finished":
         raise BadInput(f"The run in {run_dir} has finished: there is nothing to go on with.")
     last, case = newest(run_dir), run_dir / "case.toml"
+    _warn_of(look(run_dir)[1], f"an older one is taken, t = {last.time:.4g} s")
     scene = load_scene(case)
     text = case.read_text(encoding="utf-8-sig")
     if changes := _changes(last.notes.get("scene", text), text):
@@ -62,7 +64,17 @@ def _found(run_dir: Path) -> tuple[Scene, Checkpoint]:
         )
     if other := other_environment(last):
         print(f"warning: results may differ in the last bits: {'; '.join(other)}", file=sys.stderr)
+    for path in (run_dir / f"{side}.vtkhdf" for side in last.notes["threads"]):
+        if path.exists():
+            check_frames(path)
+        else:
+            _warn_of([f"{path} is gone"], f"a new one begins after t = {last.time:.4g} s")
     return scene, last
+
+
+def _warn_of(complaints: list[str], consequence: str) -> None:
+    for text in complaints:
+        print(f"warning: {text}: {consequence}", file=sys.stderr)
 
 
 def _changes(then: str, now: str) -> list[str]:

@@ -44,11 +44,12 @@ class FrameWriter:
 
     def __init__(self, path: str | Path):
         self.path = Path(path)
+        there = self.path.exists()
         try:
             # No lock: the file may be watched while it grows.
             self._file = h5py.File(self.path, "a", locking=False)
         except OSError as error:
-            raise _cannot_write(self.path, error) from error
+            raise (_cannot_go_on if there else _cannot_write)(self.path, error) from error
         self._root = self._file.require_group("VTKHDF")
         self._fresh = True
 
@@ -99,8 +100,16 @@ def read_frame(path: str | Path, index: int = -1) -> tuple[float, Frame]:
             rows = _rows(root, step)
             fields = {name: _flat(data, rows) for name, data in root["PointData"].items()}
             return float(root["Steps/Values"][step]), Frame(root["Points"][rows][:, :2], fields)
-    except (OSError, KeyError) as error:
+    except (OSError, AttributeError, LookupError, RuntimeError, TypeError, ValueError) as error:
         raise BadInput(f"{path} is not a readable file of frames ({error}).") from error
+
+
+def check_frames(path: Path) -> None:
+    """See that `FrameWriter` can go on with a file. Raises BadInput."""
+    try:
+        read_frame(path)
+    except BadInput as error:
+        raise _cannot_go_on(path, error) from None
 
 
 def _reserve(file: h5py.File, path: Path, frame: Frame) -> None:
@@ -249,6 +258,13 @@ def _stored_type(values: np.ndarray) -> np.dtype:
     """HDF5's booleans are an enumeration that VTK does not read: bytes instead."""
     dtype = np.asarray(values).dtype
     return np.dtype(np.uint8) if dtype == np.bool_ else dtype
+
+
+def _cannot_go_on(path: Path, error: Exception) -> BadInput:
+    return BadInput(
+        f"Frames cannot be added to {path}, for it is damaged or must not be written to ({error}). Move it away to go "
+        "on without the frames that it holds."
+    )
 
 
 def _cannot_write(path: Path, error: Exception) -> ShearwaterError:

@@ -22,7 +22,7 @@ from shared.contract import BadInput, ShearwaterError
 from shared.resume import unfinished
 from shared.scene import load_scene
 from shared.solo import resume_alone, run_alone
-from shared.vtkhdf import read_frame
+from shared.vtkhdf import FrameWriter, read_frame
 from tests.scenes import tiny_coupled
 
 ONE = {"fluid": 1, "solid": 1}
@@ -279,8 +279,44 @@ def test_a_scene_changed_since_is_refused(cut):
     assert resume_coupled(unfinished(cut), ONE, "inprocess", True).result["status"] == "finished"
 
 
-def test_probes_that_were_cut_say_so(cut):
-    again = unfinished(cut)
-    (cut / "probes.csv").write_text("time\n")
-    with pytest.raises(BadInput, match="has 1 lines"):
+@pytest.mark.parametrize("name", ["probes.csv", "ledger.csv"])
+@pytest.mark.parametrize(
+    ("text", "words"), [("time\n", "has 1 lines"), (None, "is gone"), ("\xff\n", "cannot be read")]
+)
+def test_tables_that_cannot_be_gone_on_with_say_so(cut, name, text, words):
+    again, path = unfinished(cut), cut / name
+    path.unlink()
+    if text is not None:
+        path.write_text(text, encoding="latin-1")
+    with pytest.raises(BadInput, match=rf"{name} {words}.*--out DIR"):
         resume_coupled(again, ONE, "inprocess", True)
+
+
+def test_frames_that_cannot_be_gone_on_with_say_so(cut, capsys):
+    path = cut / "solid.vtkhdf"
+    data = path.read_bytes()
+    for spoiled in (data[: len(data) // 2], b"", b"not HDF5", data[:600] + bytes(400) + data[1000:]):
+        path.write_bytes(spoiled)
+        with pytest.raises(BadInput, match=r"solid\.vtkhdf, for it is damaged.*Move it away"):
+            unfinished(cut)
+    path.write_bytes(b"not HDF5")
+    with pytest.raises(BadInput, match="damaged"):
+        FrameWriter(path)
+    path.unlink()
+    again = unfinished(cut)
+    assert "solid.vtkhdf is gone: a new one begins after t = 0.004 s" in capsys.readouterr().err
+    assert resume_coupled(again, ONE, "inprocess", True).result["status"] == "finished"
+    assert read_frame(path)[0] == pytest.approx(0.02)
+
+
+def test_an_older_checkpoint_is_taken_with_a_word(cut, capsys):
+    new = unfinished(cut).last
+    new.part("fluid").write_bytes(b"")
+    with_old = unfinished(cut)
+    assert with_old.last.window < new.window
+    words = f"window-{new.window:010d} is damaged (fluid.h5): an older one is taken, t = {with_old.last.time:.4g} s"
+    assert words in capsys.readouterr().err
+    with_old.held.close()
+    with_old.last.part("run").unlink()
+    with pytest.raises(BadInput, match=r"fluid\.h5\); .* is damaged \(run\.h5\)\. Start it again with .*--out DIR"):
+        unfinished(cut)
