@@ -86,12 +86,16 @@ def misfit(path: str | Path, error: Exception) -> BadInput:
 
 @dataclass(frozen=True)
 class Checkpoint:
-    """A complete checkpoint: its folder, the number of windows accepted, their end [s], and the run's own notes."""
+    """A complete checkpoint: its folder, the number of windows accepted, their end [s], and the run's own notes.
+
+    `passed_over`: what is wrong with newer ones.
+    """
 
     folder: Path
     window: int
     time: float
     notes: Mapping[str, Any]
+    passed_over: tuple[str, ...] = ()
 
     def part(self, name: str) -> Path:
         """File of one part."""
@@ -139,28 +143,20 @@ class Checkpoints:
 
 def newest(run_dir: Path) -> Checkpoint:
     """The newest complete checkpoint of a run. Raises BadInput if there is none."""
-    found, damaged = look(run_dir)
-    if found is not None:
-        return found
+    damaged: list[str] = []
+    for folder in sorted((Path(run_dir) / FOLDER).glob("window-*"), reverse=True):
+        if not (folder / _MANIFEST).exists():
+            continue  # begun, and never sealed
+        if not (spoiled := _spoiled(folder)):
+            manifest = json.loads((folder / _MANIFEST).read_text())
+            return Checkpoint(folder, manifest["window"], manifest["t"], manifest["notes"], tuple(damaged))
+        damaged.append(f"{folder} is damaged ({', '.join(spoiled)})")
     if damaged:
         raise BadInput(f"No checkpoint of {run_dir} can be gone on from: {'; '.join(damaged)}. {AGAIN}")
     raise BadInput(
         f"{run_dir} holds no complete checkpoint to go on from: it is not the directory of a run, or its run was over "
         f"before the first one. {AGAIN}"
     )
-
-
-def look(run_dir: Path) -> tuple[Checkpoint | None, list[str]]:
-    """The newest complete checkpoint of a run, if there is one, and what is wrong with those that are newer."""
-    damaged = []
-    for folder in sorted((Path(run_dir) / FOLDER).glob("window-*"), reverse=True):
-        if not (folder / _MANIFEST).exists():
-            continue  # begun, and never sealed
-        if not (spoiled := _spoiled(folder)):
-            manifest = json.loads((folder / _MANIFEST).read_text())
-            return Checkpoint(folder, manifest["window"], manifest["t"], manifest["notes"]), damaged
-        damaged.append(f"{folder} is damaged ({', '.join(spoiled)})")
-    return None, damaged
 
 
 def _spoiled(folder: Path) -> list[str]:
@@ -173,7 +169,14 @@ def _spoiled(folder: Path) -> list[str]:
         return [_MANIFEST]
     if sum_ is not None and _sum(manifest) != sum_:
         return [_MANIFEST]
-    return [name for name, written in parts if _checksum(folder / name) != written]
+    return [name for name, written in parts if not _stands(folder / name, written)]
+
+
+def _stands(path: Path, checksum: str) -> bool:
+    try:
+        return _checksum(path) == checksum
+    except OSError:
+        return False
 
 
 def way_on(run_dir: Path) -> str:
@@ -227,12 +230,8 @@ def _write(path: Path, data: bytes) -> None:
 
 
 def _checksum(path: Path) -> str:
-    """That of a file; nothing where it cannot be read."""
-    try:
-        with path.open("rb") as file:
-            return hashlib.file_digest(file, "sha256").hexdigest()
-    except OSError:
-        return ""
+    with path.open("rb") as file:
+        return hashlib.file_digest(file, "sha256").hexdigest()
 
 
 def _sum(manifest: Mapping[str, Any]) -> str:

@@ -6,12 +6,12 @@ import json
 import shlex
 import sys
 import tomllib
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, TextIO
 
-from shared.checkpoint import Checkpoint, claim, look, newest
+from shared.checkpoint import Checkpoint, claim, newest
 from shared.contract import BadInput
 from shared.plain import plain
 from shared.results import environment
@@ -51,10 +51,10 @@ def _found(run_dir: Path) -> tuple[Scene, Checkpoint]:
         result = json.loads((run_dir / "result.json").read_text(encoding="utf-8"))
     except (OSError, ValueError):
         result = {}  # killed before it could say how it went
-    if result.get("status") == "finished":
+    if isinstance(result, dict) and result.get("status") == "finished":
         raise BadInput(f"The run in {run_dir} has finished: there is nothing to go on with.")
     last, case = newest(run_dir), run_dir / "case.toml"
-    _warn_of(look(run_dir)[1], f"an older one is taken, t = {last.time:.4g} s")
+    _warn_of(last.passed_over, f"an older one is taken, t = {last.time:.4g} s")
     scene = load_scene(case)
     text = case.read_text(encoding="utf-8-sig")
     if changes := _changes(last.notes.get("scene", text), text):
@@ -72,7 +72,7 @@ def _found(run_dir: Path) -> tuple[Scene, Checkpoint]:
     return scene, last
 
 
-def _warn_of(complaints: list[str], consequence: str) -> None:
+def _warn_of(complaints: Iterable[str], consequence: str) -> None:
     for text in complaints:
         print(f"warning: {text}: {consequence}", file=sys.stderr)
 

@@ -310,6 +310,7 @@ def test_frames_that_cannot_be_gone_on_with_say_so(cut, capsys):
 
 
 def test_an_older_checkpoint_is_taken_with_a_word(cut, capsys):
+    (cut / "result.json").write_text("[]")
     new = unfinished(cut).last
     new.part("fluid").write_bytes(b"")
     with_old = unfinished(cut)
