@@ -26,16 +26,17 @@ PAIR_SHARE = 0.6  # of that goes to pairs, in proportion to a particle's neighbo
 SOLID_STEP_S = {"total-lagrangian": 1.6e-5, "ctvf": 5e-5, "beam": 3e-5, "rigid": 2e-5, "spring": 5e-5}
 SOLID_PARTICLE_S = {"total-lagrangian": 8e-8, "ctvf": 2.4e-7, "beam": 2.5e-7, "rigid": 0.0, "spring": 0.0}
 LINEAR_SHARE = 0.8  # of the quadratic gradient's cost per particle, model ctvf of the solid
-WINDOW_S = 1e-3
-"""Per coupling window, both sides: messages, bookkeeping (dam_break_plate, 0.5 ms on either)."""
-ALONE_SHARE = 0.3  # of it, that a row of probes costs a side alone
+WINDOW_S = 2.1e-3
+"""Per coupling window and iteration: messages, bookkeeping (dam_break_plate, 0.5 ms on either side, 1.1 in the
+coupler)."""
+ALONE_SHARE = 0.15  # of it, that a row of probes costs a side alone
 BEAM_WINDOW_S = 2e-4
 """Besides, a window of the beam: it starts every window from its sections anew (dam_break_plate)."""
 ITERATIONS = {"serial-implicit": 2.5, "parallel-implicit": 4.0}
 """Of a window. Measured with iqn-ils on windows of a fluid step: serial 1.3 to 2.0 (two_reservoirs,
 cantilever_in_water, light_gate, a drop on a gel), 2.6 to 3.0 (a flap in a splash, a reed in waves, a rubber gate);
 parallel 4.0 (two gates in oil)."""
-START_S = 1.6
+START_S = 2.0
 """Per process, before its first step: loading libraries and compiled code."""
 _NEIGHBOURS_RADIUS = 2.6  # support over dx of the table's fluid
 _DEVELOPED = 1.0 / 10.0  # mean speed of a flow over c0 beyond that at t = 0
@@ -46,7 +47,7 @@ _LOOP_POINTS = 1000  # stays in the first cache
 
 @dataclass(frozen=True)
 class Cost:
-    """Predicted: `core_s` of processor time of both sides, of which `start_s` is spent before the first step; steps
+    """Predicted: `core_s` of processor time of both sides and the coupler, of which `start_s` is spent before the first step; steps
     with those of all iterations."""
 
     core_s: float
