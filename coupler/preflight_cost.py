@@ -47,8 +47,8 @@ _LOOP_POINTS = 1000  # stays in the first cache
 
 @dataclass(frozen=True)
 class Cost:
-    """Predicted: `core_s` of processor time of both sides and the coupler, of which `start_s` is spent before the first step; steps
-    with those of all iterations."""
+    """Predicted: `core_s` of processor time of both sides and the coupler, of which `start_s` is spent before the first
+    step; steps with those of all iterations."""
 
     core_s: float
     start_s: float

@@ -91,7 +91,7 @@ class BeamModel:
 
     def frame(self) -> Frame:
         displacement, velocity, _ = self._points
-        parts = [moving.stresses(moving.beam.element, moving.beam.offset) for moving in self._beams]
+        parts = [moving.middle_stresses() for moving in self._beams]
         fields = {"displacement": displacement, "velocity": velocity}
         fields |= {name: np.concatenate([part[name] for part in parts]) for name in parts[0]}
         return Frame(self._reference + displacement, fields)
@@ -126,8 +126,8 @@ class BeamModel:
 
         def stress(name):
             def at(k, point):
-                beam, (element, _, offset) = self._beams[k], self._beams[k].beam.place(point[None])
-                return lambda: float(beam.stresses(element, offset)[name][0])
+                beam, place = self._beams[k], self._beams[k].beam.place(point[None])
+                return lambda: float(beam.stresses(*place)[name][0])
 
             return at
 

@@ -91,20 +91,32 @@ class MovingBeam:
         spin = place[:, 0] @ py - place[:, 1] @ px + beam.mass[:, 2] @ self.v[:, 2]
         return float(px.sum()), float(py.sum()), float(spin)
 
-    def stresses(self, element: np.ndarray, offset: np.ndarray) -> dict[str, np.ndarray]:
-        """Cauchy stress fields (m,) [Pa] at `offset` (m,) in elements `element` (m,).
+    def stresses(self, element: np.ndarray, share: np.ndarray, offset: np.ndarray) -> dict[str, np.ndarray]:
+        """Cauchy stress fields (m,) [Pa] of the material points at their places (see `Beam.place`), each (m,).
 
-        Along the axis from bending and stretching, across it a shear that is parabolic over the section.
+        Along the axis from bending and stretching, across it a shear that is parabolic over the section. What an
+        element bears it bears at its middle: between middles, and from the last ones to the ends, it goes linearly.
         """
         beam, strain = self.beam, np.empty_like(self.rate)
         strains(self.q, beam.h, strain)
-        force = (strain * beam.stiffness)[element]
+        force = strain * beam.stiffness
+        if len(force) > 1:
+            place = element + share - _MIDDLE
+            first = np.clip(np.floor(place).astype(int), 0, len(force) - 2)
+            beyond = (place - first)[:, None]
+            force = (1.0 - beyond) * force[first] + beyond * force[first + 1]
+        else:
+            force = force[element]
         axial = force[:, 0] / beam.thickness - force[:, 2] * offset * 12.0 / beam.thickness**3
         shear = 1.5 * force[:, 1] / beam.thickness * (1.0 - (2.0 * offset / beam.thickness) ** 2)
-        theta = 0.5 * (self.q[element, 2] + self.q[element + 1, 2])
+        theta = (1.0 - share) * self.q[element, 2] + share * self.q[element + 1, 2]
         c, s = (np.stack([np.cos(theta), np.sin(theta)], axis=1) @ beam.axes).T
         xx, yy = axial * c * c - 2.0 * shear * c * s, axial * s * s + 2.0 * shear * c * s
         return stress_fields(xx, yy, self._poisson * axial, axial * c * s + shear * (c * c - s * s))
+
+    def middle_stresses(self) -> dict[str, np.ndarray]:
+        """The same at the published points."""
+        return self.stresses(self.beam.element, np.full(len(self.beam.element), _MIDDLE), self.beam.offset)
 
     def _sections(self, element: np.ndarray, share: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         centre, slope = np.empty((len(element), TERMS)), np.empty((len(element), TERMS))

@@ -54,6 +54,28 @@ def test_bending_stress_of_the_clamped_beam():
     np.testing.assert_allclose(frame.fields["stress_xy"], shear, rtol=0, atol=5e-3 * np.abs(shear).max())
 
 
+def test_stress_at_a_point_is_the_moments_there():
+    """Tip load F: M = F (L − x) at every x, not at the middle of the element nearest to it."""
+    places = [0.0, 0.1, 0.13, 0.15, 0.19, 0.2]
+    probes = [{"name": f"p{k}", "body": "b", "point": [x, 0.02], "quantity": "stress-xx"} for k, x in enumerate(places)]
+    model = beam(
+        dx=0.005,
+        damping=40.0,
+        probes=probes,
+        bodies=[{"name": "b", "rectangle": [0.0, 0.0, 0.2, 0.02]}],
+        clamps=[{"body": "b", "face": "left"}],
+        loads=[{"body": "b", "face": "right", "traction": [0.0, -0.2]}],
+    )
+    for _ in run(model, 1.5, 60):
+        pass
+    found = model.probe_values()
+    moment = 0.2 * 0.02 * (0.2 - np.array(places))
+    expected = moment * 0.01 * 12.0 / 0.02**3
+    np.testing.assert_allclose(
+        [found[f"p{k}"] for k in range(len(places))], expected, rtol=0, atol=1e-3 * expected.max()
+    )
+
+
 # ---- dynamics -------------------------------------------------------------------------------------------------
 
 
