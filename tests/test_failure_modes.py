@@ -167,6 +167,20 @@ MODES = (
         flagged="Helmholtz",
     ),
     Mode(
+        "viscous stresses of few neighbours",
+        "lid_cavity",
+        spoil=("fluid.viscosity=0.1",),
+        cure=("fluid.h_over_dx=2.0",),
+        flagged="Reynolds",
+    ),
+    Mode(
+        "artificial viscosity beside the fluid's own",
+        "lid_cavity",
+        spoil=("fluid.alpha=0.1",),
+        cure=("fluid.alpha=0.0",),
+        flagged="Reynolds",
+    ),
+    Mode(
         "load far too large",
         "udl_beam",
         spoil=("solid.model=beam", "solid.loads[0].traction=[0.0, -2e9]"),
