@@ -1,8 +1,8 @@
 """Pre-flight's rules: one number of the scene each, with a verdict, a line of reason and the way out.
 
 A rule takes the scene and its numbers and returns a Finding, or None where it has nothing to look at. A new rule is
-one function beside its like (of the water, the structure, the joint of both) and one entry of RULES. What the limits
-rest on stands beside them.
+one function beside its like (of the water, the structure, the joint of both, the size of all) and one entry of RULES.
+What the limits rest on stands beside them.
 """
 
 from __future__ import annotations
@@ -10,16 +10,15 @@ from __future__ import annotations
 from coupler.preflight_finding import Finding, Rule
 from coupler.preflight_numbers import Numbers
 from coupler.preflight_rules_joint import (
-    filled_area,
     ghost_acceleration,
     helmholtz,
     mass_ratio,
     step_ratio,
-    steps,
     support,
     window_number,
 )
 from coupler.preflight_rules_plate import across, cauchy, courant_solid, poisson, printed_gradient, slenderness
+from coupler.preflight_rules_size import filled_area, steps
 from coupler.preflight_rules_water import (
     courant_fluid,
     falls_out,

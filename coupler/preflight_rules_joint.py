@@ -4,11 +4,8 @@ from __future__ import annotations
 
 import math
 
-import numpy as np
-
 from coupler.preflight_finding import STEADY, Finding, above, below, of_particles
 from coupler.preflight_numbers import Numbers
-from coupler.preflight_shapes import excess, own_box
 from coupler.preflight_window import expected_plan, expected_window
 from shared.ghost_inertia import LARGEST_INERTIA, ghost_inertia, ghosts_feel_acceleration
 from shared.schema import Scene
@@ -20,10 +17,6 @@ ALPHA_WARN = 0.08  # see coupler/window.py: 0.07 decays and 0.14 grows on a refl
 ALPHA_REFUSE = {"serial": (2.0, 1.155, 0.709), "parallel": (0.667, 0.252, 0.078)}
 """Limits on an absorbing column, by predictor order: coupler/stability_theory.py."""
 SUPPORT_WARN, SUPPORT_REFUSE = 1.0, 0.5  # thickness over support: water sees water through the plate below 1
-AREA_WARN = 0.02  # of a body's area that its particles hold too much or too little
-AREA_EXACT = 5e-5
-STEPS_WARN, STEPS_REFUSE = 1e9, 1e13  # hours of the smallest scene; years
-MOST_FILLED = 2e5  # cells of a body that pre-flight fills: with more, the error is far below AREA_WARN
 STEP_RATIO_WARN = 5000.0  # sub-steps of the solid per fluid step; hydrostatic_plate has 170
 
 
@@ -114,37 +107,6 @@ def ghost_acceleration(scene: Scene, n: Numbers) -> Finding | None:
         return Finding("ghost acceleration", value, verdict, "the plate outweighs the water of one layer")
     reason = "pressures extrapolated with the acceleration of so light a plate drive it"
     return Finding("ghost acceleration", value, verdict, reason, "fluid.structure_acceleration = auto")
-
-
-def filled_area(scene: Scene, n: Numbers) -> Finding | None:
-    """What the particles of a body hold beyond its area, over the area: of the body where it is most. A rectangle's
-    particles always fit."""
-    sides = [("fluid", scene.fluid)] if of_particles(n) else []
-    sides += [("solid", scene.solid)] if n.plate is not None and n.plate.model != "beam" else []
-    shapes = [(side, body, one.dx) for side, one in sides for body in one.bodies if body.rectangle is None]
-    small = [s for s in shapes if np.prod(np.subtract(*own_box(s[1])[::-1])) / s[2] ** 2 <= MOST_FILLED]
-    if not small:
-        return None
-    value, side, name = max(
-        ((excess(body, dx), side, body.name) for side, body, dx in small), key=lambda one: abs(one[0])
-    )
-    verdict = above(abs(value), AREA_WARN)
-    if abs(value) < AREA_EXACT:
-        return Finding("filled area", value, "ok", "particles hold the areas of their bodies")
-    reason = f"particles of '{name}' hold {100 * abs(value):.2g} % {'more' if value > 0.0 else 'less'} than its area"
-    return Finding("filled area", value, verdict, reason, "" if verdict == "ok" else f"a smaller {side}.dx")
-
-
-def steps(scene: Scene, n: Numbers) -> Finding | None:
-    """Steps to the end, of the side that takes more of them; nothing to say of fewer than any machine takes."""
-    shortest = [side.step for side in (n.water, n.plate) if side is not None and side.step > 0.0]
-    value = scene.end_time / min(shortest, default=math.inf)
-    verdict = above(value, STEPS_WARN, STEPS_REFUSE)
-    if verdict == "ok":
-        return None
-    reason = f"{value:.2g} steps of {min(shortest):.2g} s to end_time = {scene.end_time:g} s"
-    way_out = "check the units of end_time, dx, gravity, motions and stiffness; larger spacings take fewer steps"
-    return Finding("steps", value, verdict, reason, way_out)
 
 
 def step_ratio(scene: Scene, n: Numbers) -> Finding | None:

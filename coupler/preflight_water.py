@@ -13,8 +13,7 @@ from shared.fluid_step import COURANT, fluid_step
 from shared.geometry import contains, distance_to
 from shared.kernels import kernel_named
 from shared.schema import Scene
-from shared.schema_fluid import Wall
-from shared.wall_chains import segments_of
+from shared.wall_chains import lengths_of, segments_of
 
 MACH_AUTO = 0.1  # largest expected speed over the sound speed "auto"
 _BACKED = 0.75  # of dx: a wall or body this close behind the water's face holds it
@@ -93,16 +92,11 @@ def _fluid_particles(scene: Scene, support: float) -> float:
     dx = scene.fluid.dx
     layers = math.ceil(support / dx)
     count = sum(area(body) for body in scene.fluid.bodies) / dx**2
-    count += sum(_length(wall) for wall in scene.walls) / dx * layers
+    count += sum(float(lengths_of(wall).sum()) for wall in scene.walls) / dx * layers
     for body in scene.solid.bodies if scene.solid else []:
         edge = float(np.hypot(*np.diff(outline(body), axis=1)[:, 0].T).sum())
         count += min(area(body) / dx**2, edge / dx * layers)
     return count
-
-
-def _length(wall: Wall) -> float:
-    corners = [*wall.polyline, wall.polyline[0]] if wall.closed else wall.polyline
-    return float(np.hypot(*np.diff(np.asarray(corners, dtype=float), axis=0).T).sum())
 
 
 def unbacked(scene: Scene) -> tuple[bool, bool]:

@@ -82,9 +82,7 @@ def _run(scene: Scene, threads: dict[str, int], link: str, record: Record, last:
     with (
         _logging_to(run_dir / "log"),
         _naming_the_way_on(run_dir),
-        threadpool_limits(
-            1, "blas"
-        ),  # the coupler's vectors are short: more threads only take cores from the two sides
+        threadpool_limits(1, "blas"),  # vectors are short: more threads only take cores from the two sides
         _sides(scene, threads, link, run, record) as both,
     ):
         couple(scene, both["fluid"], both["solid"], record, last)

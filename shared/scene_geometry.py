@@ -16,6 +16,7 @@ from shared.schema import Scene
 from shared.schema_fluid import Wall
 from shared.schema_geometry import SHAPE_KINDS, Body, Domain, Shape
 from shared.schema_solid import PARTICLE_MODELS, RIGID_MODELS
+from shared.wall_chains import lengths_of
 
 OVERLAP_TOLERANCE = 0.01  # depth over dx up to which two bodies only touch
 MOST_CELLS = 2e7  # particles per body that fit the memory of a large workstation
@@ -72,7 +73,7 @@ def _too_fine(scene: Scene) -> Iterator[str]:
             wrong = f"{path.split('.')[0]}.dx = {dx:g}: body {_called(path, body)} would hold {_cells(body, dx):.2g}"
             yield f"{wrong} particles; the limit is {MOST_CELLS:.0e}"
     for _, wall, dx in _walls(scene):
-        count = _WALL_DEPTH * float(_lengths(wall).sum()) / dx
+        count = _WALL_DEPTH * float(lengths_of(wall).sum()) / dx
         if count > MOST_CELLS:
             wrong = f"fluid.dx = {dx:g}: wall '{wall.name}' would hold {count:.2g}"
             yield f"{wrong} particles; the limit is {MOST_CELLS:.0e}"
@@ -86,16 +87,10 @@ def _walls(scene: Scene) -> Iterator[tuple[int, Wall, float]]:
                 yield i, wall, scene.fluid.dx
 
 
-def _lengths(wall: Wall) -> np.ndarray:
-    """Lengths (k,) [m] of a wall's segments."""
-    corners = [*wall.polyline, wall.polyline[0]] if wall.closed else wall.polyline
-    return np.hypot(*np.diff(np.array(corners, dtype=float), axis=0).T)
-
-
 def _corners(scene: Scene) -> Iterator[str]:
     """A wall's segment needs a direction."""
     for i, wall, dx in _walls(scene):
-        for k, length in enumerate(_lengths(wall)):
+        for k, length in enumerate(lengths_of(wall)):
             if length < _SHORTEST * dx:
                 other = (k + 1) % len(wall.polyline)
                 yield f"walls[{i}].polyline: corners {k} and {other} are less than {_SHORTEST:g} dx apart; keep one"
@@ -183,7 +178,7 @@ def _cells_within(body: Body, dx: float, other: Body, dx_least: float) -> np.nda
 
 
 def _can_be_laid(wall: Wall, dx: float) -> bool:
-    lengths = _lengths(wall)
+    lengths = lengths_of(wall)
     return bool(lengths.min() >= _SHORTEST * dx and _WALL_DEPTH * lengths.sum() / dx <= MOST_CELLS)
 
 

@@ -46,6 +46,12 @@ def segments_of(wall: Wall) -> np.ndarray:
     return np.stack([corners[:-1], corners[1:]], axis=1)
 
 
+def lengths_of(wall: Wall) -> np.ndarray:
+    """Lengths (k,) [m] of a wall's faces."""
+    start, end = segments_of(wall).transpose(1, 0, 2)
+    return np.hypot(*(end - start).T)
+
+
 def chains(walls: Sequence[Wall], dx: float) -> list[Chain]:
     """All walls as chains at ghost spacing `dx` [m]: open ones, then closed ones, each from its first wall on."""
     after = _followers(walls, MEET * dx)
