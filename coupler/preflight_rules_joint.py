@@ -7,13 +7,14 @@ import math
 from coupler.preflight_finding import STEADY, Finding, above, below, of_particles
 from coupler.preflight_numbers import Numbers
 from coupler.preflight_window import expected_plan, expected_window
-from shared.ghost_inertia import LARGEST_INERTIA, ghost_inertia, ghosts_feel_acceleration
+from coupler.window import largest_alpha
+from shared.ghost_inertia import ghost_inertia, ghosts_feel_acceleration, largest_inertia
 from shared.schema import Scene
 from shared.schema_solid import PARTICLE_MODELS
 
 HELMHOLTZ_WARN, HELMHOLTZ_REFUSE = 0.8, math.pi / 2.0  # half and all of a quarter wave, where a column resonates
 MASS_RATIO_WARN = 50.0  # the heaviest water that was run explicitly over its plate: hydrostatic_plate, 15
-ALPHA_WARN = 0.08  # see coupler/window.py: 0.07 decays and 0.14 grows on a reflecting column
+ALPHA_WARN = 8.0 / 7.0  # of the largest of automatic windows; 0.07 decays and 0.14 grows on a reflecting column
 ALPHA_REFUSE = {"serial": (2.0, 1.155, 0.709), "parallel": (0.667, 0.252, 0.078)}
 """Limits on an absorbing column, by predictor order: coupler/stability_theory.py."""
 SUPPORT_WARN, SUPPORT_REFUSE = 1.0, 0.5  # thickness over support: water sees water through the plate below 1
@@ -74,7 +75,7 @@ def window_number(scene: Scene, n: Numbers) -> Finding | None:
     if asked.endswith("implicit"):
         return Finding("window α", value, "ok", f"{reason}, iterated")
     limit = ALPHA_REFUSE["parallel" if asked.startswith("parallel") else "serial"][scene.coupling.predictor]
-    most = min(ALPHA_WARN, 0.9 * limit)
+    most = min(ALPHA_WARN * largest_alpha(asked, scene.coupling.predictor), 0.9 * limit)
     verdict = above(value, most * (1.0 + 1e-9), limit)
     way_out = "" if verdict == "ok" else f"coupling.window = {window * most / value:.3g} or auto"
     return Finding("window α", value, verdict, f"{reason}, limit {limit:g}", way_out)
@@ -99,13 +100,13 @@ def ghost_acceleration(scene: Scene, n: Numbers) -> Finding | None:
     """ρ_f dx/(ρ_s t): mass of the water between particles and face over the structure's own."""
     if n.joint is None or not of_particles(n) or n.plate.model == "rigid" or not scene.fluid.structure_acceleration:
         return None
-    value = ghost_inertia(scene)
+    value, limit = ghost_inertia(scene), largest_inertia(scene.coupling)
     if not ghosts_feel_acceleration(scene):
-        return Finding("ghost acceleration", value, "ok", "left out: one layer of water outweighs the plate")
-    verdict = above(value, LARGEST_INERTIA)
+        return Finding("ghost acceleration", value, "ok", f"left out: past {limit:g} it would drive the plate")
+    verdict = above(value, limit)
     if verdict == "ok":
-        return Finding("ghost acceleration", value, verdict, "the plate outweighs the water of one layer")
-    reason = "pressures extrapolated with the acceleration of so light a plate drive it"
+        return Finding("ghost acceleration", value, verdict, f"water of one layer over the plate, limit {limit:g}")
+    reason = f"pressures extrapolated with the acceleration of a plate past {limit:g} drive it"
     return Finding("ghost acceleration", value, verdict, reason, "fluid.structure_acceleration = auto")
 
 

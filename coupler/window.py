@@ -19,6 +19,10 @@ LARGEST_ALPHA = 0.07
 and 0.709 for predictor order 0, 1, 2; a column that reflects sound is pumped by the lag long before: measured on 60 mm
 of water on a plate a fifth of its weight, α 0.14 grows and 0.07 decays, whatever the order; on hydrostatic_plate, where
 nothing but the water's viscosity damps, energy made is 19 % of the work within 60 ms at 0.067, 65 % in 52 at 0.076."""
+_LARGEST_PARALLEL_ALPHA = (0.04, 0.016, 0.005)
+"""The same where both sides work at once, by predictor order: there a column that reflects nine tenths is pumped as
+fast as at 0.07 by the serial protocol (`stability_theory.acoustic`, r from 2 to 15). Measured on 0.2 m of water between
+walls on an elastic floor, order 2: 0.07 is past the ledger's limit within 31 ms."""
 _LARGEST_LAYER_ALPHA = 0.5
 """Largest α of the structure's outermost layer of particles, ρ_f c Δt/(ρ_s dx), in an automatic window. Waves along the
 face whose quarter period is shorter than the lag are pushed on where they should radiate: a ripple of 6 dx. Measured on
@@ -54,6 +58,11 @@ class Plan:
     reasons: list[str] = field(default_factory=list)
 
 
+def largest_alpha(scheme: str, predictor: int) -> float:
+    """Largest α of an automatic window that is taken once."""
+    return _LARGEST_PARALLEL_ALPHA[predictor] if scheme == "parallel-explicit" else LARGEST_ALPHA
+
+
 def alpha_rate(fluid: Description, structure: Description) -> float:
     """α per second of window: ρ_f c/(ρ_s t) [1/s], t the thickness of the thinnest body; 0 where nothing carries
     sound, or where the structure moves as it was told."""
@@ -71,13 +80,13 @@ def mass_ratio(scene: Scene, structure: Description) -> float:
 
 
 def window_length(coupling: Coupling, fluid: Description, structure: Description) -> float:
-    """The window [s] of an explicit scheme: as the scene says, or `auto`: up to four fluid steps with α ≤ 0.07, and
-    ≤ 0.5 for a soft structure's outermost layer."""
+    """The window [s] of an explicit scheme: as the scene says, or `auto`: up to four fluid steps with α at most
+    `largest_alpha`, and 0.5 for a soft structure's outermost layer."""
     if coupling.window != "auto":
         return coupling.window
     step = fluid.stable_step / (1.0 + SPEED_UP)
     rate = alpha_rate(fluid, structure)
-    longest = LARGEST_ALPHA / rate if rate > 0.0 else math.inf
+    longest = largest_alpha(coupling.scheme, coupling.predictor) / rate if rate > 0.0 else math.inf
     layer = rate * structure.numbers["thickness"] / structure.spacing
     if structure.model in _LAYERED and layer * structure.spacing > _STIFF * structure.numbers["wave_speed"]:
         longest = min(longest, _LARGEST_LAYER_ALPHA / layer)

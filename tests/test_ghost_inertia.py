@@ -4,8 +4,10 @@ from __future__ import annotations
 
 import pytest
 
-from shared.ghost_inertia import ghost_inertia, ghosts_feel_acceleration
+from coupler.stability_theory import PREDICTION, Y, lagged_wall, largest_stable
+from shared.ghost_inertia import ghost_inertia, ghosts_feel_acceleration, largest_inertia
 from shared.scene import load_scene
+from shared.schema_coupling import Coupling
 
 
 @pytest.mark.parametrize(
@@ -31,3 +33,16 @@ def test_the_scene_has_the_last_word(asked):
     for case in ("dam_break_plate", "light_gate"):
         scene = load_scene(case, [f"fluid.structure_acceleration={str(asked).lower()}"])
         assert ghosts_feel_acceleration(scene) is asked
+
+
+@pytest.mark.parametrize("order", [0, 1, 2])
+@pytest.mark.parametrize("scheme", ["serial", "parallel"])
+def test_lagged_exchange_holds_what_is_let_in(scheme, order):
+    """m v (1 − y) = Δt Q F̄;  F̄ = −ρ c w v̄ − μ m (1 − y)/Δt V,  V = v (serial), Q v (parallel), at the α of automatic
+    windows."""
+    load, wall = PREDICTION[order], lagged_wall(scheme, order)
+    ghosts = load * load if scheme == "parallel" else load
+    limit = largest_stable(lambda mu: 2 * (1 - Y) + 0.07 * (1 + Y) * load * wall + 2 * mu * (1 - Y) * ghosts, 2.0)
+    coupling = Coupling(scheme=f"{scheme}-explicit", predictor=order)
+    assert 0.6 * limit < largest_inertia(coupling) <= 1.0001 * limit
+    assert largest_inertia(Coupling(scheme=f"{scheme}-implicit", predictor=order)) == 1.0

@@ -56,6 +56,8 @@ TRIPPED = (
     ("support", "dam_break_plate", ["fluid.dx=1e-2"], "thickness/support", "refuse"),
     ("support", "dam_break_plate", ["fluid.dx=5e-3", "coupling.loads=pressure"], "thickness/support", "refuse"),
     ("ghost_acceleration", "light_gate", ["fluid.structure_acceleration=true"], "ghost acceleration", "warn"),
+    ("ghost_acceleration", "dam_break_plate", ["coupling.scheme=parallel-explicit", "coupling.predictor=2",
+                                               "fluid.structure_acceleration=true"], "ghost acceleration", "warn"),
     ("step_ratio", "dam_break_plate", ["solid.youngs_modulus=2e14"], "step ratio", "warn"),
     ("courant_fluid", "dam_break", ["fluid.courant=1.35"], "Courant, fluid", "warn"),
     ("courant_fluid", "dam_break", ["fluid.courant=1.45"], "Courant, fluid", "refuse"),

@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import replace
 
 import numpy as np
 import pytest
 
+from coupler.stability_theory import acoustic, growth
 from coupler.window import SPEED_UP, alpha_rate, make_plan, window_length
 from shared.contract import Description
 from shared.schema_coupling import Coupling
@@ -34,6 +36,19 @@ def test_light_plate_shortens_the_window(thickness):
     assert alpha_rate(fluid, solid) * window <= 0.07 * (1 + 1e-12)
     steps = window / (fluid.stable_step / (1 + SPEED_UP))
     assert steps < 1 or steps == pytest.approx(round(steps))
+
+
+@pytest.mark.parametrize("order", [0, 1, 2])
+def test_both_at_once_get_a_window_that_a_reflecting_column_pumps_no_faster(order):
+    """Growth in a unit of α windows on a column that reflects nine tenths, r 2, k windows there and back."""
+    fluid, solid = sides(1e-4, 0.004)
+    parallel = Coupling(scheme="parallel-explicit", predictor=order)
+    alphas = [alpha_rate(fluid, solid) * window_length(c, fluid, solid) for c in (Coupling(), parallel)]
+    pumped = [
+        math.log(growth(acoustic(alpha, p, 0.9, round(4.0 / alpha), scheme))) / alpha
+        for alpha, p, scheme in zip(alphas, (0, order), ("serial", "parallel"), strict=True)
+    ]
+    assert pumped[1] <= pumped[0] + 1e-3
 
 
 def test_alpha_is_the_documented_ratio():
