@@ -44,13 +44,19 @@ class FluidParticles:
 @dataclass(frozen=True)
 class Ghosts:
     """Walls, then structures: position (n, 2), volume, kind (n,), owner (n,): index of the wall or of the body, and
-    normal (n, 2): unit vector from the wall's face to the ghost; zero for structures, which bend."""
+    foot (n, 2): the nearest point of the wall's face; of structures, which bend, the ghost itself."""
 
     position: np.ndarray
     volume: np.ndarray
     kind: np.ndarray
     owner: np.ndarray
-    normal: np.ndarray
+    foot: np.ndarray
+
+    @property
+    def normal(self) -> np.ndarray:
+        """Unit vectors (n, 2) from the wall's face to the ghosts; zero for structures."""
+        arm = self.position - self.foot
+        return arm / np.where(self.kind == STRUCTURE, 1.0, np.hypot(*arm.T))[:, None]
 
     @property
     def walls(self) -> int:
@@ -157,13 +163,13 @@ def lay_ghosts(scene: Scene, support: float) -> Ghosts:
             keep &= distance_to(outline(body), layers.position) >= OWNED * dx
         kind = FREE_SLIP if wall.slip == "free" else NO_SLIP
         position = layers.position[keep]
-        parts.append(_part(position, layers.volume[keep], kind, index, wall_normal(faces[index], position)))
+        parts.append(_part(position, layers.volume[keep], kind, index, wall_foot(faces[index], position)))
     for index, body in enumerate(bodies):
         dry = [clamp.face for clamp in scene.solid.clamps if clamp.body == body.name]
         inside = ghosts(body, dx, support, dry)
         keep = within_period(scene, inside.position)
         position = inside.position[keep]
-        parts.append(_part(position, inside.volume[keep], STRUCTURE, index, np.zeros_like(position)))
+        parts.append(_part(position, inside.volume[keep], STRUCTURE, index, position))
     if not parts:
         return Ghosts(*_part(np.empty((0, 2)), np.empty(0), STRUCTURE, 0, np.empty((0, 2))))
     return Ghosts(*(np.concatenate(column) for column in zip(*parts, strict=True)))
@@ -180,20 +186,19 @@ def joints(chain: Chain, position: np.ndarray, owner: np.ndarray) -> Iterator[tu
         yield first, second, mine[(arm <= nearest * (1.0 + _ROUNDING)) & both]
 
 
-def wall_normal(face: np.ndarray, points: np.ndarray) -> np.ndarray:
-    """Unit vectors (n, 2) from the nearest point of a face (k, 2, 2) to each of `points` (n, 2)."""
+def wall_foot(face: np.ndarray, points: np.ndarray) -> np.ndarray:
+    """Nearest points (n, 2) of a face (k, 2, 2) to `points` (n, 2)."""
     nearest = np.full(len(points), np.inf)
-    normal = np.zeros_like(points)
+    foot = points.copy()
     for start, end in face:
         along = np.clip((points - start) @ (end - start) / np.sum((end - start) ** 2), 0.0, 1.0)
-        arm = points - start - along[:, None] * (end - start)
-        distance = np.hypot(*arm.T)
+        here = start + along[:, None] * (end - start)
+        distance = np.hypot(*(points - here).T)
         closer = distance < nearest
-        nearest[closer] = distance[closer]
-        normal[closer] = arm[closer] / distance[closer, None]
-    return normal
+        nearest[closer], foot[closer] = distance[closer], here[closer]
+    return foot
 
 
-def _part(position, volume, kind, owner, normal):
+def _part(position, volume, kind, owner, foot):
     n = len(position)
-    return position, volume, np.full(n, kind, dtype=np.int8), np.full(n, owner), normal
+    return position, volume, np.full(n, kind, dtype=np.int8), np.full(n, owner), foot

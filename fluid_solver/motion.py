@@ -1,6 +1,8 @@
 """Motion of ghosts: walls by the scene's tables, structures by what they say of the window.
 
-A pose (n, 8) holds position, velocity, acceleration and normal of n ghosts: x, y, u, v, ax, ay, nx, ny.
+A pose (n, 8) holds position, velocity, acceleration and normal of n ghosts: x, y, u, v, ax, ay, nx, ny. Velocity and
+acceleration of a wall's are those of its face before the ghost, where the fluid meets it: behind a face that turns the
+ghosts move faster, and would drag the fluid so.
 """
 
 from __future__ import annotations
@@ -35,7 +37,7 @@ class GhostMotion:
         self._walls, self._accelerated = ghosts.walls, ghosts_feel_acceleration(scene)
         owner = ghosts.owner[: self._walls]
         self._tables = [
-            (rows, WallMotion(wall.motion, rest[rows], normal[rows]))
+            (rows, WallMotion(wall.motion, rest[rows], ghosts.foot[rows], normal[rows]))
             for rows, wall in ((np.flatnonzero(owner == k), wall) for k, wall in enumerate(scene.walls))
             if wall.motion
         ]
@@ -48,6 +50,7 @@ class GhostMotion:
                 for first, second, rows in joints(chain, rest[: self._walls], owner):
                     if sliding[first.wall] != sliding[second.wall]:
                         self.pose[rows, 2:4] = 0.0
+        self._wall_speed = 0.0  # m/s, of the fastest ghost of a wall
         self.x0 = rest[self._walls :].copy()
         self.v0 = np.zeros_like(self.x0)
 
@@ -59,6 +62,7 @@ class GhostMotion:
         """Set `pose` to what it is `since` seconds after the start t0 of a window of `length`."""
         for rows, motion in self._tables:
             self.pose[rows] = motion.pose(t0 + since)
+        self._wall_speed = max((motion.speed(t0 + since) for _, motion in self._tables), default=0.0)
         if boundary is not None:
             a = boundary.acceleration_mean if self._accelerated else np.zeros_like(boundary.acceleration_mean)
             end, pose = (boundary.position, boundary.velocity), self.pose[self._walls :]
@@ -71,30 +75,36 @@ class GhostMotion:
 
     def speed(self, boundary: Kinematics | None) -> float:
         """Largest speed [m/s] of a ghost that moves."""
-        return 0.0 if self.still(boundary) else fastest(self.pose)
+        return 0.0 if self.still(boundary) else max(self._wall_speed, fastest(self.pose[self._walls :]))
 
 
 class WallMotion:
     """A wall's prescribed motion: translation and rotation about a point, a monotone cubic through the table."""
 
-    def __init__(self, motion: Motion, reference: np.ndarray, normal: np.ndarray):
-        """`reference` (n, 2) [m], `normal` (n, 2): of the wall's ghosts in the reference position."""
+    def __init__(self, motion: Motion, reference: np.ndarray, foot: np.ndarray, normal: np.ndarray):
+        """`reference`, `foot` (n, 2) [m], `normal` (n, 2): of the wall's ghosts in the reference position."""
         self._table, self._normal = MotionTable(motion), normal
-        self._arm = reference - self._table.about
+        self._arm, self._foot = reference - self._table.about, foot - self._table.about
+        self._reach = float(np.hypot(*self._arm.T).max(initial=0.0))
 
     def pose(self, time: float) -> np.ndarray:
         """Pose (n, 8) of the ghosts at `time` [s]."""
         (x, y, angle), (u, v, spin), (ax, ay, turn) = self._table.at(time)
         c, s = math.cos(angle), math.sin(angle)
         turned = np.array([[c, s], [-s, c]])
-        arm = self._arm @ turned
-        across = np.c_[-arm[:, 1], arm[:, 0]]
+        foot = self._foot @ turned
+        across = np.c_[-foot[:, 1], foot[:, 0]]
         return np.c_[
-            self._table.about + arm + (x, y),
+            self._table.about + self._arm @ turned + (x, y),
             spin * across + (u, v),
-            turn * across - spin * spin * arm + (ax, ay),
+            turn * across - spin * spin * foot + (ax, ay),
             self._normal @ turned,
         ]
+
+    def speed(self, time: float) -> float:
+        """A bound of the ghosts' speed [m/s] at `time` [s]."""
+        u, v, spin = self._table.at(time)[1]
+        return math.hypot(u, v) + abs(spin) * self._reach
 
 
 @njit

@@ -1,5 +1,7 @@
 """Ghosts of walls and structures: their pressure, their places, their motion."""
 
+import math
+
 import numpy as np
 import pytest
 
@@ -67,7 +69,8 @@ def test_structure_ghosts_follow_the_window_without_a_jump():
 
 def test_wall_motion_velocity_and_acceleration_are_derivatives():
     table = Motion(times=[0.0, 1.0, 2.0], translation=[(0.0, 0.0), (0.5, 0.1), (0.6, 0.4)], rotation=[0.0, 30.0, 90.0])
-    wall = WallMotion(table, np.array([[0.3, -0.2], [1.0, 2.0]]), np.array([[1.0, 0.0], [0.0, -1.0]]))
+    place = np.array([[0.3, -0.2], [1.0, 2.0]])
+    wall = WallMotion(table, place, place, np.array([[1.0, 0.0], [0.0, -1.0]]))
     t, e = 0.7, 1e-5
     pose = wall.pose(t)
     slope = (wall.pose(t + e) - wall.pose(t - e)) / (2 * e)
@@ -78,6 +81,17 @@ def test_wall_motion_velocity_and_acceleration_are_derivatives():
     assert wall.pose(3.0)[:, :2] == pytest.approx(wall.pose(2.0)[:, :2])
 
 
+def test_ghosts_behind_a_face_that_turns_show_the_face_s_velocity():
+    """What turns with the drum as one has no stress: mirrored at the face, the fluid's velocity goes on as ω r."""
+    spin, radius = 1.5, 0.1
+    table = Motion(times=[0.0, 1.0], rotation=[0.0, math.degrees(spin)])
+    wall = WallMotion(table, np.array([[0.13, 0.0]]), np.array([[radius, 0.0]]), np.array([[1.0, 0.0]]))
+    pose = wall.pose(0.5)[0]
+    assert math.hypot(*pose[2:4]) == pytest.approx(spin * radius)
+    assert math.hypot(*pose[4:6]) == pytest.approx(spin**2 * radius)
+    assert wall.speed(0.5) == pytest.approx(spin * 0.13)
+
+
 def test_moving_walls_take_their_water_along():
     """Water that fills a box goes where the box goes."""
     motion = {"times": [0.0, 0.05, 0.4, 1.0], "translation": [(0.0, 0.0), (0.0, 0.0), (0.05, 0.0), (0.2, 0.0)]}
@@ -86,7 +100,7 @@ def test_moving_walls_take_their_water_along():
     water = [{"name": "water", "rectangle": (0.0, 0.0, 0.1, 0.1)}]
     model = begun(scene(water, [box], gravity=(0.0, 0.0), sound_speed=5.0, alpha=0.5))
     run(model, 0.3, 10)
-    x, _, u, *_ = WallMotion(Motion(**motion), np.zeros((1, 2)), np.zeros((1, 2))).pose(0.3)[0]
+    x, _, u, *_ = WallMotion(Motion(**motion), *np.zeros((3, 1, 2))).pose(0.3)[0]
     assert u > 0.1
     assert fluid_rows(model, U)[0].mean() == pytest.approx(u, rel=0.05)
     assert fluid_rows(model, X)[0].mean() == pytest.approx(0.05 + x, abs=0.001)
