@@ -7,6 +7,10 @@ Per window, with F̄ the mean forces, Δx the windows' displacements:
     work of the structure   W_s = Σ_s F̂_s · Δx_s
     work of the fluid       W_f = −Σ_g F̄_g · Δx_g
     lag energy              running sum of W_s + W_f   (what the one-window lag creates)
+
+Each is judged against the size of what is exchanged, never against a net that may cancel: impulses against Σ |F̄_g| Δt,
+energy against the largest work, and no less than the work of rounding, Σ |F̂_s| ε |x_s|. A structure whose motion is
+prescribed takes no load, so that nothing lags: of its exchange only the map is judged.
 """
 
 from __future__ import annotations
@@ -55,11 +59,14 @@ _SUMS = (
     "excused",
     "largest_work",
     "turned_over",
-    "largest_impulse",
+    "rounding",
+    "exchanged",
     "mapping_error",
 )
 _PATIENCE = 20
 """Windows in a row past a limit that stop the run: in the first windows, and when water hits, lag is all there is."""
+_ROUNDING = 10.0 * float(np.finfo(float).eps)
+"""Of a point's distance from the origin: what its displacement may be off by, two places and the map between."""
 _WARM = 0.5
 """Of the energy limit, past which lag is worth a warning."""
 _WARM_FOR = 40
@@ -84,11 +91,13 @@ class LedgerExceeded(SolverFailed):
 class Ledger:
     """Writes `ledger.csv`, one row per accepted window, and keeps the sums; stops the run past a limit.
 
-    `rows`: go on with the file that is there, behind this many rows.
+    `rows`: go on with the file that is there, behind this many rows. `prescribed`: whether the structure moves as it
+    was told, whatever its load.
     """
 
-    def __init__(self, path: Path, limits: Limits, rows: int | None = None):
+    def __init__(self, path: Path, limits: Limits, rows: int | None = None, prescribed: bool = False):
         self._limits = limits
+        self._prescribed = prescribed
         self._past = 0
         self._warm = 0
         self._file = _open(path, rows)
@@ -99,7 +108,8 @@ class Ledger:
         self._excused = 0.0  # energy that lag made before the exchange was iterated
         self._largest_work = 0.0
         self._turned_over = 0.0  # sum of the sizes of the windows' work
-        self._largest_impulse = 0.0
+        self._rounding = float(np.finfo(float).tiny)  # work that may be rounding alone
+        self._exchanged = float(np.finfo(float).tiny)  # sum of the sizes of the windows' impulses
         self._mapping_error = 0.0
         self._growing = False  # the largest work, in the last window
 
@@ -128,8 +138,9 @@ class Ledger:
         self._last, before = window, self._largest_work
         self._largest_work = max(before, abs(self._work), abs(self._work_fluid))
         self._growing = self._largest_work > before
-        self._largest_impulse = max(self._largest_impulse, math.hypot(*self._impulse_fluid))
+        self._rounding += _ROUNDING * float(np.vdot(np.abs(used.force), np.abs(points1.position)))
         scale = float(np.abs(found.force).sum())
+        self._exchanged += scale * window.length
         numbers = [*given.tolist(), *passed.tolist(), *taken.tolist()]
         lost = max(abs(numbers[0] - numbers[2]), abs(numbers[1] - numbers[3]))
         self._mapping_error = max(self._mapping_error, lost / scale if scale > 0.0 else 0.0)
@@ -138,8 +149,9 @@ class Ledger:
         head = f"{window.index},{window.t1!r},{len(outcome.changes)},{outcome.changes[-1]!r},"
         self._file.write(head + ",".join(map(repr, numbers)))
         self._check()
-        self._warm = self._warm + 1 if self._energy() > _WARM * self._limits.energy else 0
-        share = (self._work + self._work_fluid) / (self._largest_work or 1.0)
+        warm = not self._prescribed and self._energy() > _WARM * self._limits.energy
+        self._warm = self._warm + 1 if warm else 0
+        share = (self._work + self._work_fluid) / max(self._largest_work, self._rounding)
         return f"lag has made {share:+.0%} of the work at the interface" if self._warm == _WARM_FOR else ""
 
     def excuse(self) -> None:
@@ -154,8 +166,12 @@ class Ledger:
         """
         lag = self._work + self._work_fluid - self._excused
         if lag >= 0.0:
-            return lag / (self._largest_work or 1.0)
-        return 0.0 if self._growing else -lag / (self._turned_over or 1.0)
+            return lag / max(self._largest_work, self._rounding)
+        return 0.0 if self._growing else -lag / max(self._turned_over, self._rounding)
+
+    def _impulse(self) -> float:
+        """Difference of the impulses given and taken, over all that was exchanged."""
+        return math.hypot(*(self._impulse_structure - self._impulse_fluid)) / self._exchanged
 
     def _check(self) -> None:
         """Energy and impulse count once they stay past their limits; force lost by the map counts at once."""
@@ -166,11 +182,9 @@ class Ledger:
 
     def _past_limits(self) -> dict[str, float]:
         """What is past its limit, and by how much; force lost by the map first."""
-        found = {
-            "mapping": self._mapping_error,
-            "energy": self._energy(),
-            "impulse": math.hypot(*(self._impulse_structure - self._impulse_fluid)) / (self._largest_impulse or 1.0),
-        }
+        found = {"mapping": self._mapping_error}
+        if not self._prescribed:
+            found |= {"energy": self._energy(), "impulse": self._impulse()}
         return {name: value for name, value in found.items() if not value <= getattr(self._limits, name)}
 
     def _complaint(self, past: dict[str, float]) -> str:
@@ -190,15 +204,14 @@ class Ledger:
     def summary(self) -> dict[str, float]:
         """The sums as fractions.
 
-        `impulse_error`: impulses' difference over the largest impulse; `work_error`: lag energy over the largest work
-        done on the structure, which is also `energy_injected_fraction` when positive; `mapping_error`: largest
+        `impulse_error`: impulses' difference over all that was exchanged; `work_error`: lag energy over the largest
+        work done on the structure, which is also `energy_injected_fraction` when positive; `mapping_error`: largest
         difference between the fluid's total force and the mapped total, over the sum of the forces' sizes.
         """
-        impulse = float(np.linalg.norm(self._impulse_structure - self._impulse_fluid))
         lag = self._work + self._work_fluid
-        scale = self._largest_work or 1.0
+        scale = max(self._largest_work, self._rounding)
         return {
-            "impulse_error": impulse / (self._largest_impulse or 1.0),
+            "impulse_error": self._impulse(),
             "work_error": lag / scale,
             "energy_injected_fraction": max(lag, 0.0) / scale,
             "mapping_error": self._mapping_error,

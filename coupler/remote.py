@@ -51,10 +51,10 @@ class Remote:
         check_fields(floats, {"position": (count, 2), "volume": (count,)}, f"describe from {self.name}")
         check_fields({"body": bodies}, {"body": (count,)}, f"describe from {self.name}", "<i8")
         try:
-            self._description = Description(**reply.info, **reply.fields)
+            self.description = Description(**reply.info, **reply.fields)
         except TypeError as error:
             raise BadMessage(f"describe from {self.name} is incomplete: {error}") from None
-        return self._description
+        return self.description
 
     def start(
         self,
@@ -167,7 +167,7 @@ class Remote:
         self._answered = now
 
     def _exchange(self, reply: Message) -> Exchange:
-        kinematic = self._description.role == "structure"
+        kinematic = self.description.role == "structure"
         count = self._count
         shapes = kinematics_shapes(count) if kinematic else {"pressure": (count,), "force": (count, 2)}
         check_fields(reply.fields, shapes, f"{reply.verb} from {self.name}")

@@ -194,7 +194,8 @@ def march(
     begun, core_begun = time.perf_counter(), time.process_time()
     first = last.window if last else 0
     take = make_taker(plan, scene.coupling)
-    ledger = Ledger(record.run_dir / "ledger.csv", scene.coupling.limits, first if last else None)
+    rows, prescribed = first if last else None, c.structure.description.model == "rigid"
+    ledger = Ledger(record.run_dir / "ledger.csv", scene.coupling.limits, rows, prescribed)
     counts = {"iterations": 0, "unconverged": 0, "most": 0, "marched_s": 0.0, "worked_s": 0.0, "core_s": 0.0}
     checkpoints = Checkpoints(record.run_dir, scene.output.checkpoint_every, last)
     memory = {"coupled": c, "taker": take, "ledger": ledger}

@@ -19,7 +19,7 @@ class Limits(Table):
         "the work turned over",
     )
     impulse: Positive = key(
-        0.5, unit="-", about="largest difference of the impulses given and taken, over the largest impulse"
+        0.5, unit="-", about="largest difference of the impulses given and taken, over all that was exchanged"
     )
     mapping: Positive = key(
         1e-9, unit="-", about="largest difference of the total force before and after the map, over the sum of forces"

@@ -176,3 +176,37 @@ def test_force_lost_by_the_map_stops_the_run_at_once(tmp_path):
     scene = piston(window=1e-3, scheme="serial-explicit")
     with pytest.raises(LedgerExceeded, match="mapping"):
         couple(scene, 5, ledger=Ledger(tmp_path / "ledger.csv", Limits(mapping=1e-300)))
+
+
+def test_rounding_of_places_is_no_energy(tmp_path):
+    """A piston on its spring without a load: forces of 1e-11 N, ways of 1e-17 m, works of 1e-28 J."""
+    ledger = Ledger(tmp_path / "ledger.csv", Limits())
+    couple(piston(["solid.loads=[]", "end_time=0.3"], scheme="serial-implicit", window=1e-3), ledger=ledger)
+    assert abs(ledger.summary()["work_error"]) < 0.1
+
+
+def two_points(used: float, found: float) -> Outcome:
+    """Two points that turn about the origin, forces ±1 N/m that push them on, and a net of rounding besides."""
+    loads = [Loads(np.zeros(2), np.array([[0.0, 1.0 + net], [0.0, -1.0]])) for net in (used, found)]
+    places = [np.array([[np.cos(a), np.sin(a)], [-np.cos(a), -np.sin(a)]]) for a in (0.0, 0.1)]
+    way = tuple(map(Kinematics.at_rest, places))
+    return Outcome(loads[0], loads[1], loads[1], way, way, (0.0,))
+
+
+def test_forces_that_cancel_are_no_measure_of_the_impulse(tmp_path):
+    ledger, clock = Ledger(tmp_path / "ledger.csv", Limits()), Clock(1.0, 300)
+    for k in range(60):
+        ledger.record(clock.window(k), two_points(1e-15, -1e-15))
+    assert ledger.summary()["impulse_error"] < 1e-14
+
+
+def test_a_structure_whose_motion_is_prescribed_cannot_lag(tmp_path):
+    """Lag throws nothing about where nobody takes the load; force lost by the map still ends the run."""
+    clock, lost = Clock(1.0, 300), one_window(2.0, 1.0)
+    free, told = (Ledger(tmp_path / f"{p}.csv", Limits(), prescribed=p) for p in (False, True))
+    with pytest.raises(LedgerExceeded):
+        [free.record(clock.window(k), lost) for k in range(60)]
+    assert [told.record(clock.window(k), lost) for k in range(60)] == [""] * 60
+    half = Outcome(lost.used, lost.found, Loads.zero(1), lost.points, lost.ghosts, (0.0,))
+    with pytest.raises(LedgerExceeded, match="mapping"):
+        told.record(clock.window(60), half)
