@@ -173,7 +173,8 @@ class Fluid(Table):
         about=(
             "whether the structure's mean acceleration enters the ghost pressure (eq. 14); auto: where the structure "
             "outweighs one layer of fluid particles, ρ_f dx ≤ ρ_s t: a lighter one is driven by it. Exchanges that "
-            "extrapolate hold less: coupling.predictor 1, 2: 0.33, 0.14 of ρ_s t; parallel-explicit: 0.7, 0.09, 0.004"
+            "extrapolate hold less: coupling.predictor 1, 2: 0.33, 0.14 of ρ_s t; parallel-explicit: 0.7, 0.09, 0.004. "
+            "With coupling.loads = pressure half of the outermost layer of particles stands for t"
         ),
     )
     column: Column = key(Column(), about="what model column is like")

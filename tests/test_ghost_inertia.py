@@ -23,6 +23,15 @@ def test_a_structure_that_outweighs_a_layer_of_water_is_felt(case, inertia, feel
     assert ghosts_feel_acceleration(scene) is feels
 
 
+def test_pressures_fall_on_the_outermost_layer():
+    scene = load_scene("dam_break_plate", ["coupling.loads=pressure"])
+    assert ghost_inertia(scene) == pytest.approx(1000.0 * 2e-3 / (2500.0 * 1e-3))
+    assert ghosts_feel_acceleration(scene)
+    assert not ghosts_feel_acceleration(load_scene("dam_break_plate", ["coupling.loads=pressure", "fluid.dx=3e-3"]))
+    beam = load_scene("dam_break_plate", ["coupling.loads=pressure", "solid.model=beam"])
+    assert ghost_inertia(beam) == pytest.approx(1000.0 * 2e-3 / (2500.0 * 0.012))
+
+
 def test_what_no_load_moves_is_felt_however_light():
     assert ghosts_feel_acceleration(load_scene("two_reservoirs", ["solid.density=1.0"]))
     assert ghosts_feel_acceleration(load_scene("still_tank"))
