@@ -9,11 +9,23 @@ from typing import Any
 
 import numpy as np
 
+from coupler.replies import check_info
 from shared.clock import Clock, Window
-from shared.contract import Description, Exchange, Kinematics, Loads, ShearwaterError, exchange_fields
+from shared.contract import (
+    Description,
+    Exchange,
+    Kinematics,
+    Loads,
+    ShearwaterError,
+    SolverFailed,
+    exchange_fields,
+)
 from shared.link import InProcessLink, Link
 from shared.participant import kinematics_shapes
 from shared.wire import BadMessage, Message, check_envelope, check_fields, check_window, decode, encode
+
+_LARGEST = 1e100
+"""Size of the values of a field, which no length, speed or force of a sound run reaches."""
 
 
 class RemoteError(ShearwaterError):
@@ -45,15 +57,13 @@ class Remote:
     def describe(self) -> Description:
         """What the participant is."""
         reply = self._ask("describe")
-        count = len(reply.fields.get("position", ()))
+        count = (*np.shape(reply.fields.get("position", ())), 0)[0]
         bodies = reply.fields.get("body")
         floats = {name: array for name, array in reply.fields.items() if name != "body"}
         check_fields(floats, {"position": (count, 2), "volume": (count,)}, f"describe from {self.name}")
         check_fields({"body": bodies}, {"body": (count,)}, f"describe from {self.name}", "<i8")
-        try:
-            self.description = Description(**reply.info, **reply.fields)
-        except TypeError as error:
-            raise BadMessage(f"describe from {self.name} is incomplete: {error}") from None
+        _check_sizes(floats, f"describe from {self.name}")
+        self.description = Description(**reply.info, **reply.fields)
         return self.description
 
     def start(
@@ -151,13 +161,20 @@ class Remote:
 
     def _receive(self) -> Message:
         asked = self._pending
-        reply = decode(self._link.receive())
-        check_envelope(reply, run=self._run, sender=self.name, sequence=self._sequence)
+        data = self._link.receive()
+        try:
+            reply = decode(data)
+            check_envelope(reply, run=self._run, sender=self.name, sequence=self._sequence)
+            if reply.verb != "error":
+                check_window(reply, verb=asked.verb, window=asked.window, iteration=asked.iteration)
+            times = _times(reply.info)
+            check_info(self.name, reply.verb, reply.info)
+        except BadMessage as error:
+            raise BadMessage(f"{asked.verb} from {self.name}: {error}") from None
         if reply.verb == "error":
-            raise RemoteError(str(reply.info.get("text")), int(reply.info.get("exit_code", 3)))
-        check_window(reply, verb=asked.verb, window=asked.window, iteration=asked.iteration)
+            raise RemoteError(reply.info["text"], reply.info.get("exit_code", SolverFailed.exit_code))
         self._sequence += 1
-        self._note_work(*_times(reply))
+        self._note_work(*times)
         return reply
 
     def _note_work(self, settled: float, spent: float) -> None:
@@ -170,17 +187,31 @@ class Remote:
         kinematic = self.description.role == "structure"
         count = self._count
         shapes = kinematics_shapes(count) if kinematic else {"pressure": (count,), "force": (count, 2)}
-        check_fields(reply.fields, shapes, f"{reply.verb} from {self.name}")
+        where = f"{reply.verb} from {self.name}"
+        check_fields(reply.fields, shapes, where)
+        _check_sizes(reply.fields, where)
         return (Kinematics if kinematic else Loads)(**reply.fields)
 
 
-def _times(reply: Message) -> tuple[float, float]:
+def _check_sizes(fields: Mapping[str, np.ndarray], where: str) -> None:
+    """Refuse values whose products would overflow."""
+    for name, array in fields.items():
+        flat = array.ravel()
+        with np.errstate(over="ignore"):
+            within = flat @ flat < _LARGEST**2
+        if not within:
+            raise BadMessage(
+                f"field {name!r} of {where} has values up to {np.abs(flat).max():.3g}; {_LARGEST:g} is most"
+            )
+
+
+def _times(info: dict[str, Any]) -> tuple[float, float]:
     """Times [s] that the participant worked after its last reply and for this one; see wire.py."""
-    spent = reply.info.pop("spent", (0.0, 0.0))
+    spent = info.pop("spent", (0.0, 0.0))
     try:
         settled, worked = map(float, spent)
     except (TypeError, ValueError):
-        raise BadMessage(f"{reply.verb} from {reply.sender}: spent is {spent!r}; two times [s] are needed") from None
+        raise BadMessage(f"spent is {spent!r}; two times [s] are needed") from None
     return settled, worked
 
 

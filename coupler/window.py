@@ -32,7 +32,7 @@ within the window, by a load −ρ_f c (v − v̄) with v̄ the mean of the wind
 there drops that strike the plate, which the lag shows a rigid wall, still make 9 and 12 % of the work by 0.5 s."""
 _STIFF = 0.1
 """Ratio of acoustic impedances ρ_f c/(ρ_s c_p) below which its neighbours hold a layer and it has no say."""
-_LAYERED = ("total-lagrangian", "ctvf")  # models of which every layer of particles moves by itself
+LAYERED = ("total-lagrangian", "ctvf")  # models of which every layer of particles moves by itself
 _MOST_STEPS = 4
 """Fluid steps in an automatic window: enough to make the exchange cheap beside the steps, few enough to be accurate."""
 SPEED_UP = 0.2
@@ -88,7 +88,7 @@ def window_length(coupling: Coupling, fluid: Description, structure: Description
     rate = alpha_rate(fluid, structure)
     longest = largest_alpha(coupling.scheme, coupling.predictor) / rate if rate > 0.0 else math.inf
     layer = rate * structure.numbers["thickness"] / structure.spacing
-    if structure.model in _LAYERED and layer * structure.spacing > _STIFF * structure.numbers["wave_speed"]:
+    if structure.model in LAYERED and layer * structure.spacing > _STIFF * structure.numbers["wave_speed"]:
         longest = min(longest, _LARGEST_LAYER_ALPHA / layer)
     return step * min(int(min(longest / step, _MOST_STEPS)), _MOST_STEPS) if longest > step else longest
 

@@ -7,15 +7,17 @@ Key expressions, for run R and participant P (fluid, solid):
     shearwater/R/P/heartbeat   participant → coupler, once a second: number of time steps done so far, as text
     shearwater/R/P/alive       liveliness token of the participant; shearwater/R/coupler/alive that of the coupler
 
-At most one message is in flight per participant, so nothing is ever dropped for congestion; the blocking time is
+At most one message is in flight per participant, so nothing is ever dropped for congestion, provided that replies are
+published with congestion control BLOCK (zenoh's own choice, DROP, loses long ones without a word); the blocking time is
 raised all the same, since zenoh closes a link, without an exception, when a reader stalls for longer.
 
 Whether a participant lives is told by its process, its heartbeats and its steps. Zenoh's own lease would end a run
 whose coupler or solver pauses for 10 s; with a lease of a day a connection ends when its socket does, at once.
 
 Whoever waits for a message sleeps in zenoh's own channel, which wakes it at once: a callback's thread in between would
-cost a fifth of the exchange. What else may end the wait puts an empty message into that channel, in its own session;
-so does the clock, once a second, for Python answers no signal while zenoh waits.
+cost a fifth of the exchange. What else may end the wait puts a message of its own into that channel, within its own
+session, told from others by its attachment; so does the clock, once a second, for Python answers no signal while zenoh
+waits.
 """
 
 from __future__ import annotations
@@ -51,6 +53,7 @@ _HEED_SIGNALS_EVERY_S = 1.0
 _CLOSE_WITHIN_S = 5.0
 _LEASE_S = 86400.0
 _STALLED_READER_S = {"peer": PAUSE_S + 5.0, "client": _LEASE_S}  # the coupler may pause for as long as it likes
+_WAKE = b"wake"  # attachment of what wakes
 _MOST_WAITING = 4  # messages in a channel: one request or reply, and one that wakes
 
 
@@ -182,7 +185,7 @@ class ZenohLink:
     def receive(self) -> bytes:
         """Wait for the reply; raises ParticipantLost when the participant died, went silent or stalled."""
         self._waiting = True
-        while not (reply := self._replies.recv().payload.to_bytes()):
+        while (reply := _next(self._replies)) is None:
             if self._lost is not None:
                 raise self._lost
         self._waiting = False
@@ -214,7 +217,7 @@ class ZenohLink:
         stepping = self._beat[1] not in ("", "0")
         if now - self._progress > (self._stall_after if stepping else _FIRST_STEP_WITHIN_S):
             raise ParticipantLost(
-                f"the {self.name} participant is alive but has made no time step for "
+                f"the {self.name} participant is alive but has neither answered nor made a time step for "
                 f"{now - self._progress:.0f} s (coupling.stall_after = {self._stall_after:g} s)"
             )
 
@@ -228,14 +231,21 @@ def _watch(link: weakref.ref[ZenohLink]) -> None:
 
 
 def _channel(session: zenoh.Session, key: str) -> tuple[zenoh.Subscriber, Callable[[], None]]:
-    """What arrives on `key`, to be received in order, and what wakes its reader with an empty message."""
+    """What arrives on `key`, to be received in order by `_next`, and what wakes its reader."""
     channel = session.declare_subscriber(key, zenoh.handlers.FifoChannel(_MOST_WAITING))
 
     def wake() -> None:
         with contextlib.suppress(zenoh.ZError):  # a session that is closed has no reader
-            session.put(key, b"", allowed_destination=zenoh.Locality.SESSION_LOCAL)
+            session.put(key, b"", attachment=_WAKE, allowed_destination=zenoh.Locality.SESSION_LOCAL)
 
     return channel, wake
+
+
+def _next(channel: zenoh.Subscriber) -> bytes | None:
+    """The next message, or None when woken."""
+    sample = channel.recv()
+    woken = sample.attachment is not None and sample.attachment.to_bytes() == _WAKE
+    return None if woken else sample.payload.to_bytes()
 
 
 def end_with(parent: int | None) -> None:
@@ -296,8 +306,8 @@ def serve(
         pulse.start()
         try:
             while not participant.finished:
-                request = requests.recv().payload.to_bytes()
-                if not request:
+                request = _next(requests)
+                if request is None:
                     raise ParticipantLost("the coupler is gone; this participant ends")
                 replies.put(service.handle(request))
                 service.settle()

@@ -15,6 +15,7 @@ from shared.contract import Loads, ParticipantLost
 from shared.link_zenoh import ZenohLink, listening, serve
 from shared.participant import Participant
 from shared.service import Service
+from shared.wire import BadMessage
 
 
 def alive():
@@ -96,7 +97,7 @@ def test_stalled_participant_is_named():
         try:
             time.sleep(0.3)
             link.send(b"question")
-            with pytest.raises(ParticipantLost, match="no time step for"):
+            with pytest.raises(ParticipantLost, match="neither answered nor made a time step for"):
                 link.receive()
         finally:
             stop.set()
@@ -120,3 +121,15 @@ def test_no_coupler_at_the_endpoint(monkeypatch, toy_spring):
     failures = []
     serving(link_zenoh.free_endpoint(), Participant(toy_spring(), "solid"), failures)
     assert "cannot reach a coupler" in failures[0]
+
+
+@pytest.mark.timeout(60)
+def test_an_empty_reply_is_a_reply():
+    with listening("run") as (session, _):
+        link = ZenohLink(session, "run", "solid", alive, stall_after=20.0)
+        link.send(b"question")
+        session.put("shearwater/run/solid/reply", b"")
+        assert link.receive() == b""
+        session.put("shearwater/run/solid/reply", b"")
+        with pytest.raises(BadMessage, match="describe from solid: message is not valid msgpack"):
+            Remote(link, "run", "solid").describe()
