@@ -135,6 +135,8 @@ def _judged(scene: Scene, fluid: str | None, solid: str | None, sets: tuple[str,
             reason = _unable(scene, numbers, worst)
         else:
             reason = f"bound {_percent(error)} above the goal's {_percent(goal)}, most of it by {worst}"
+    elif mistake := _mistake(scene):  # as a run would find at its start
+        standing, reason = "cannot", mistake
     return Rung(fluid, solid, standing, reason, scene, sets, error, parts, predicted_cost(scene, numbers))
 
 
@@ -168,8 +170,8 @@ def _cannot(scene: Scene, side: str, model: str | None) -> str:
         of_solid = probe is None or probe.body in {body.name for body in solid.bodies}
         if model == "spring" or (of_solid and (probe is None or probe.quantity not in FORCES)):
             return "the goal is how an elastic body deforms"
-    if model == "column" and solid is None:
-        return "columns stand on a structure, and there is none"
+    if model in ("still", "column") and solid is None:
+        return f"model {model} is water on a structure, and there is none"
     changed, _ = with_models(scene, *((model, None) if side == "fluid" else (None, model)))
     if (
         side == "fluid"
@@ -178,8 +180,12 @@ def _cannot(scene: Scene, side: str, model: str | None) -> str:
         and not measure_water(changed).held
     ):
         return "columns stand without walls, particles fall: nothing holds the water; add [[walls]] around it"
-    mistakes = check_scene(changed) if changed is not scene else []
-    return mistakes[0].replace("\n", " ") if mistakes else ""
+    return _mistake(changed)
+
+
+def _mistake(scene: Scene) -> str:
+    """The first mistake of a scene, in one line; empty without."""
+    return next((mistake.replace("\n", " ") for mistake in check_scene(scene)), "")
 
 
 def _held_rigid(scene: Scene, n: Numbers) -> float:

@@ -146,13 +146,12 @@ class Columns:
 
     def probe_values(self) -> dict[str, float]:
         """Pressures at points of the water, forces on bodies."""
-        values = {}
+        values, solids = {}, [body.name for body in self._scene.solid.bodies]
         for probe in self._scene.probes:
             if probe.quantity == "pressure":
                 values[probe.name] = float(self._within(np.array([probe.point]))[0][0])
-            elif probe.quantity in _SIDES:
-                owner = [body.name for body in self._scene.solid.bodies].index(probe.body)
-                mine = self.describe().body == owner
+            elif probe.quantity in _SIDES and probe.body in solids:
+                mine = self.describe().body == solids.index(probe.body)
                 values[probe.name] = float(self._force[mine, _SIDES.index(probe.quantity)].sum())
         return values
 

@@ -12,12 +12,12 @@ from collections.abc import Mapping
 
 import numpy as np
 
-from shared.contract import BadInput, Description, Frame, Kinematics, Loads, SolverFailed
+from shared.contract import Description, Frame, Kinematics, Loads, SolverFailed
 from shared.geometry import contains, fill, outline
 from shared.schema import Scene
+from shared.wetted_faces import wet_links
 
 _FORCES = ("force-x", "force-y")
-_BESIDE = 0.25  # of dx: a face is wet where there is water this far off it
 
 
 class StillWater:
@@ -147,29 +147,17 @@ def _surface(body, gravity: np.ndarray) -> float:
 
 def _chains(scene: Scene) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
     """Nodes (n, 2) [m], links (m, 2) between them with the solid on the left, body and surface level of each node."""
-    gravity, dx = np.array(scene.gravity), scene.fluid.dx
+    gravity = np.array(scene.gravity)
     nodes, links, owner, top = [], [], [], []
-    for index, solid in enumerate(scene.solid.bodies if scene.solid else []):
-        for start, end in outline(solid):
-            length = np.hypot(*(end - start))
-            count = max(1, round(length / dx))
-            place = start + (end - start) * np.linspace(0.0, 1.0, count + 1)[:, None]
-            outward = np.array([(end - start)[1], -(end - start)[0]]) / length
-            beside = 0.5 * (place[:-1] + place[1:]) + _BESIDE * dx * outward
-            for water in scene.fluid.bodies:
-                for k in np.flatnonzero(contains(water, beside)):
-                    joined = links and links[-1][2] == (index, water.name, k - 1) and np.all(nodes[-1] == place[k])
-                    if not joined:
-                        nodes.append(place[k])
-                    nodes.append(place[k + 1])
-                    links.append((len(nodes) - 2, len(nodes) - 1, (index, water.name, k)))
-                    added = len(nodes) - len(owner)
-                    owner += [index] * added
-                    top += [_surface(water, gravity)] * added
-    if not nodes:
-        raise BadInput(
-            "model still is the load of water on a structure's faces, but no fluid body touches a face of a solid "
-            "body: let them share a face, or use model wcsph or ctvf."
-        )
+    for index, water, place, wet in wet_links(scene):
+        for k in wet:
+            joined = links and links[-1][2] == (index, water.name, k - 1) and np.all(nodes[-1] == place[k])
+            if not joined:
+                nodes.append(place[k])
+            nodes.append(place[k + 1])
+            links.append((len(nodes) - 2, len(nodes) - 1, (index, water.name, k)))
+            added = len(nodes) - len(owner)
+            owner += [index] * added
+            top += [_surface(water, gravity)] * added
     pairs = np.array([link[:2] for link in links], dtype=np.int64)
     return np.array(nodes), pairs, np.array(owner, dtype=np.int64), np.array(top)

@@ -14,7 +14,7 @@ from rich.table import Table
 
 from shared.contract import ShearwaterError
 from shared.record import Record
-from shared.results import loss
+from shared.results import loss, missed
 from shared.scene import scene_warnings
 from shared.schema import Scene
 from shared.start import INTERRUPTED, on_stop_signals
@@ -75,10 +75,11 @@ def warn(scene: Scene) -> None:
 
 
 def conclude(record: Record, quiet: bool) -> None:
-    """Print the probes against their references, the cost, and where everything is; even if `quiet`, what was lost."""
+    """Print the probes against their references, the cost, and where everything is; even if `quiet`, what is
+    missing."""
     result = record.result
-    if lost := loss(result):
-        _say(f"warning: {lost}")
+    for wrong in filter(None, (loss(result), missed(result))):
+        _say(f"warning: {wrong}")
     if quiet:
         return
     console = Console()

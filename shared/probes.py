@@ -191,6 +191,16 @@ def compare(scene: Scene, table: ProbeTable) -> list[dict[str, Any]]:
     return rows
 
 
+def goal_value(scene: Scene, table: ProbeTable) -> float | None:
+    """The goal's statistic of its probe, over the interval of its first reference; None where the run has none."""
+    goal, (time, values) = scene.goal, finite(table.time, table.values(scene.goal.probe))
+    same = (r.between for r in scene.references if (r.probe, r.statistic) == (goal.probe, goal.statistic))
+    if len(time) == 0:
+        return None
+    start = scene.output.average_from if goal.statistic == "mean" else float(time[0])
+    return _over(goal.statistic, time, values, next(same, None) or (start, float(time[-1])))
+
+
 def reference_curve(reference: Reference) -> np.ndarray:
     """Time [s] and value, in the probe's unit, of a reference's curve: (2, n). Raises BadInput."""
     try:

@@ -16,7 +16,7 @@ from typing import Any
 from shared import jit
 from shared.contract import BadInput, ShearwaterError
 from shared.plain import plain
-from shared.probes import ProbeTable, compare
+from shared.probes import ProbeTable, compare, goal_value
 from shared.schema import Scene
 
 RESULT_SCHEMA = 1
@@ -97,6 +97,7 @@ def make_result(
         "t_end": t_end,
         "probes": table.summary(scene.output.average_from),
         "references": compare(scene, table),
+        "goal": None if scene.goal is None else {**scene.goal.model_dump(), "value": goal_value(scene, table)},
         "cost": {
             "wall_s": cost.get("wall_s"),
             "core_s": cost.get("core_s"),
@@ -120,6 +121,16 @@ def loss(result: Mapping[str, Any]) -> str:
         f"({x:.4g}, {y:.4g}) m, and are missing since: look for a gap in the walls there, or a wall that has the fluid "
         "on its right; make domain larger where water is meant to go that far."
     )
+
+
+def missed(result: Mapping[str, Any]) -> str:
+    """One sentence about a goal that the run has no value of; empty where it has one, or there is no goal."""
+    goal = result.get("goal")
+    if not goal or goal["value"] is not None:
+        return ""
+    nothing = result["probes"][goal["probe"]]["final"] is None
+    why = "its model has no such probe" if nothing else "what it is made of did not happen, or not in the time judged"
+    return f"this run has no value of its goal, the {goal['statistic']} of {goal['probe']}: {why}."
 
 
 def _complete(given: Mapping[str, Any] | None, keys: tuple[str, ...]) -> dict[str, Any] | None:

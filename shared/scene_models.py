@@ -34,8 +34,8 @@ _EXPRESSED = {
 FORCES = ("force-x", "force-y")
 """Quantities of a solid that the fluid knows: what it does to it."""
 
-_EXPRESSED_BY_WATER = {"still": ("pressure", *FORCES, "level"), "column": ("pressure", *FORCES)}
-"""What fluids that are not made of particles can say; they leave other probes out."""
+_EXPRESSED_BY_WATER = {"still": ("pressure", "level"), "column": ("pressure",)}
+"""What fluids that are not made of particles can say besides forces on solids; they leave other probes out."""
 
 _BY_FORCES = ("external-work", "dissipated", *REACTIONS)
 
@@ -136,11 +136,11 @@ def _goals(scene: Scene) -> Iterator[str]:
         return
     bodies = {body.name for body in scene.solid.bodies or []} if scene.solid is not None else ()
     for probe in scene.probes:
-        of_fluid = probe.body not in bodies or probe.quantity in FORCES
-        if probe.name == goal.probe and of_fluid and probe.quantity not in known:
+        if probe.name == goal.probe and probe.body not in bodies and probe.quantity not in known:
+            of = "walls" if probe.quantity in FORCES else "water"
             yield (
-                f'goal.probe = "{goal.probe}": {probe.quantity} of water is nothing that model {fluid.model} knows '
-                f"(it knows {', '.join(known)}); use model wcsph or ctvf, or another goal"
+                f'goal.probe = "{goal.probe}": {probe.quantity} of {of} is nothing that model {fluid.model} knows (it '
+                f"knows {', '.join(known)} and the force on a structure); use model wcsph or ctvf, or another goal"
             )
 
 

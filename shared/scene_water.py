@@ -6,7 +6,7 @@ from collections.abc import Callable, Iterator
 
 from shared.expected_speed import NO_SPEED, expected_speed
 from shared.schema import Scene
-from shared.wetted_faces import why_no_columns
+from shared.wetted_faces import wet_links, why_no_columns
 
 
 def _sound_speed(scene: Scene) -> Iterator[str]:
@@ -28,4 +28,15 @@ def _columns(scene: Scene) -> Iterator[str]:
             yield f"fluid.bodies[{i}]: {wrong}"
 
 
-WATER_CHECKS: tuple[Callable[[Scene], Iterator[str]], ...] = (_sound_speed, _columns)
+def _still(scene: Scene) -> Iterator[str]:
+    """Water at rest has a face of the structure to load."""
+    if scene.fluid is None or scene.fluid.model != "still":
+        return
+    if next(wet_links(scene), None) is None:
+        yield (
+            'fluid.model = "still": is the load of water on a structure\'s faces, but no fluid body touches a face of '
+            "a solid body; let them share a face, or use model wcsph or ctvf"
+        )
+
+
+WATER_CHECKS: tuple[Callable[[Scene], Iterator[str]], ...] = (_sound_speed, _columns, _still)

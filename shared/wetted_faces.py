@@ -1,18 +1,22 @@
-"""Where the faces of a fluid body lie on those of solid bodies, and whether columns of water can stand there."""
+"""Where the faces of a fluid body lie on those of solid bodies, and whether columns of water can stand there; where
+there is water beside the solids' faces, and whether there is any for water at rest to load."""
 
 from __future__ import annotations
 
 import math
+from collections.abc import Iterator
 from dataclasses import dataclass
 
 import numpy as np
 
-from shared.geometry import outline
+from shared.geometry import contains, outline
 from shared.schema import Scene
+from shared.schema_fluid import FluidBody
 from shared.schema_geometry import Body
 
 _TOUCHING = 1e-6  # of dx: faces this near to each other touch
 _PARALLEL = 1e-9  # sine of the angle between faces that touch
+_BESIDE = 0.25  # of dx: a face is wet where there is water this far off it
 
 
 @dataclass(frozen=True)
@@ -52,6 +56,23 @@ def why_no_columns(scene: Scene, body: Body) -> str:
         f"'{body.name}' {where}: model column is water between one wetted face and a far end; let the body share one "
         "face with the structure, or use model wcsph or ctvf"
     )
+
+
+def wet_links(scene: Scene) -> Iterator[tuple[int, FluidBody, np.ndarray, np.ndarray]]:
+    """Per segment of a solid body's outline and fluid body beside it: the solid's number, the fluid body, the nodes
+    (n + 1, 2) [m] that cut the segment into links about dx long, and the numbers of the wet ones."""
+    dx = scene.fluid.dx
+    for index, solid in enumerate(scene.solid.bodies if scene.solid else []):
+        for start, end in outline(solid):
+            length = np.hypot(*(end - start))
+            count = max(1, round(length / dx))
+            nodes = start + (end - start) * np.linspace(0.0, 1.0, count + 1)[:, None]
+            outward = np.array([(end - start)[1], -(end - start)[0]]) / length
+            beside = 0.5 * (nodes[:-1] + nodes[1:]) + _BESIDE * dx * outward
+            for water in scene.fluid.bodies:
+                wet = np.flatnonzero(contains(water, beside))
+                if len(wet):
+                    yield index, water, nodes, wet
 
 
 def _common(start, along, length: float, segments: np.ndarray, dx: float) -> list[tuple[float, float]]:
