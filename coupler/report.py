@@ -26,7 +26,7 @@ table { border-collapse: collapse; margin: .5rem 0 1.5rem; font-size: 13px }
 td, th { border-bottom: 1px solid #ddd; padding: .25rem .6rem; text-align: left; vertical-align: top }
 td.n { text-align: right; font-variant-numeric: tabular-nums }
 img { max-width: 100%; display: block; margin: .5rem 0 1.5rem } h2 { margin-top: 2.2rem }
-.warn, .failed { color: #b36b00 } .refuse { color: #b00020 } .smallest { font-weight: bold }
+.warn, .failed, .lost { color: #b36b00 } .refuse { color: #b00020 } .smallest { font-weight: bold }
 """
 
 

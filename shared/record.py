@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 import sys
 import time
 from collections.abc import Mapping
@@ -9,7 +10,7 @@ from pathlib import Path
 from typing import Any, TextIO
 
 from shared.checkpoint import Checkpoint, claim, way_on
-from shared.contract import ShearwaterError
+from shared.contract import ParticipantLost, ShearwaterError
 from shared.pictures import draw_pictures
 from shared.probes import ProbeTable, probe_units
 from shared.progress import Progress
@@ -17,12 +18,16 @@ from shared.results import environment, make_result, write_result
 from shared.scene import dump_scene
 from shared.schema import Scene
 
+_OF_THE_SYSTEM = re.compile(r"\[Errno \d+\]")
+
 
 class Record:
     """Context of a run in `run_dir`: writes `case.toml` first, `probes.csv` on the way, `result.json` at the end.
 
     The run adds to `cost`, `ledger` and `preflight`. An error or Ctrl-C that leaves the context is written down as
-    the run's status and reason, and goes on; after Ctrl-C the command that goes on with the run is printed.
+    the run's status and reason, and goes on; after Ctrl-C the command that goes on with the run is printed. Status:
+    "finished"; "failed", by what was computed; "lost", by the machine (a process killed, a full disk): the same run
+    may finish another time; "interrupted".
 
     `last`: the checkpoint that the run goes on from, with the `held` claim to it. What is there beyond it, and the
     result, stay until the run has gone on: one that cannot changes nothing.
@@ -118,4 +123,6 @@ def _status(error: BaseException | None) -> tuple[str, str]:
     if isinstance(error, KeyboardInterrupt):
         return "interrupted", "interrupted by the user"
     text = str(error) if isinstance(error, (ShearwaterError, OSError)) else f"{type(error).__name__}: {error}"
-    return "failed", text
+    # What the system refused a solver comes as words, which hold its number.
+    machine = isinstance(error, (ParticipantLost, OSError, MemoryError)) or _OF_THE_SYSTEM.search(text)
+    return "lost" if machine else "failed", text

@@ -215,7 +215,7 @@ def test_full_disk(tmp_path, program):
     code, errors = process(program, *words, limit_file=20_000)
     assert code == 3
     assert "disk may be full" in errors
-    assert json.loads((tmp_path / "out" / "result.json").read_text())["status"] == "failed"
+    assert json.loads((tmp_path / "out" / "result.json").read_text())["status"] == "lost"
 
 
 LOADING = """

@@ -107,7 +107,7 @@ def test_killed_solver(running, victim):
     assert "killed by signal 9" in errors
     assert "(empty)" not in errors
     assert f"coupler resume {out}\n" in errors
-    assert readable(out)["status"] == "failed"
+    assert readable(out)["status"] == "lost"
     assert all_gone(solvers.values(), within=10.0)
 
 
@@ -266,5 +266,5 @@ def test_stopped_solver_is_noticed(running):
     code, errors = ended(process)
     assert code == 4
     assert "has been stopped for 20 s" in errors
-    assert readable(out)["status"] == "failed"
+    assert readable(out)["status"] == "lost"
     assert all_gone(solvers.values(), within=10.0)

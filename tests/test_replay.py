@@ -60,7 +60,7 @@ def test_a_recording_that_ends_too_soon_says_when(recorded, tmp_path):
     with pytest.raises(ParticipantLost, match=r"ends at t = 0\.00\d+ s of end_time = 0\.01 s"):
         replay_alone(scene, "tiny", "fluid", FACTORIES["fluid"], tmp_path / "run", 1, True, tmp_path)
     result = json.loads((tmp_path / "run" / "result.json").read_text())
-    assert (result["status"], 0.0 < result["t_end"] < 0.01) == ("failed", True)
+    assert (result["status"], 0.0 < result["t_end"] < 0.01) == ("lost", True)
     assert "ends at t" in result["reason"]
 
 
