@@ -15,12 +15,15 @@ from typing import Any
 
 import numpy as np
 
+from coupler.chart_outcome import missing, of_other_code
 from coupler.chart_runs import run_variants, was_alone
-from coupler.chart_truth import find_truth, goal_value, spread
+from coupler.chart_truth import find_truth, goal_value, known_truth, spread
 from coupler.chart_variants import Variant, study_variants
 from coupler.preflight_cost import Cost, calibrate, predicted_cost
 from coupler.preflight_error import error_bound
 from coupler.preflight_numbers import scene_numbers
+from shared.contract import BadInput
+from shared.results import output_folder
 from shared.schema import Scene
 from shared.statistics import relative_error
 
@@ -57,7 +60,8 @@ class Slope:
 
 @dataclass(frozen=True)
 class Chart:
-    """All that a chart shows. `spread`: relative deviations from the truth of the other references."""
+    """All that a chart shows. `spread`: relative deviations from the truth of the other references; `notes`: what its
+    reader has to know of the runs."""
 
     case: str
     scene: Scene
@@ -68,6 +72,7 @@ class Chart:
     smallest: Point | None
     slopes: list[Slope]
     spread: dict[str, float]
+    notes: list[str]
 
 
 def make_chart(
@@ -80,9 +85,13 @@ def make_chart(
 ) -> Chart:
     """Run what is missing of the study into `folder`/runs, here or on the cluster of `scheduler`, and weigh it."""
     variants = study_variants(case, sets)
-    results = run_variants(case, variants, folder / "runs", jobs, say, scheduler)
-    values = [goal_value(v, r, folder / "runs" / v.folder) for v, r in zip(variants, results, strict=True)]
-    scene = variants[0].scene
+    scene, runs = variants[0].scene, output_folder(folder) / "runs"
+    known_truth(scene)
+    results = run_variants(case, variants, runs, jobs, say, scheduler)
+    values = [goal_value(v, r, runs / v.folder) for v, r in zip(variants, results, strict=True)]
+    absent = missing(variants, results, values, runs)
+    if len(absent) == len(variants) and scene.study.truth is None:
+        raise BadInput("no variant has a value, so there is nothing to chart\n" + "\n".join(f"  {a}" for a in absent))
     name, truth, finest = find_truth(scene, variants, values)
     slower = calibrate()
     points = [
@@ -103,6 +112,7 @@ def make_chart(
         smallest=smallest,
         slopes=slopes(judged, None if smallest is None else smallest.error),
         spread=spread(scene, truth, name),
+        notes=absent + of_other_code(results),
     )
 
 

@@ -7,8 +7,9 @@ import json
 import time
 from collections.abc import Callable, Iterator, Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
+from coupler.chart_outcome import Result, told, without_result
 from coupler.chart_variants import Variant
 from coupler.chart_worker import RUN_FOLDER, run_variant
 from shared.commands import case_name
@@ -53,10 +54,10 @@ def connected(address: str) -> Iterator[Client]:
 
 def run_on_cluster(
     tasks: Sequence[tuple[Variant, Task]], address: str, folder: Path, say: Callable[[str], None]
-) -> dict[str, dict[str, Any]]:
+) -> dict[str, Result]:
     """Results by the variants' folders; what finished or failed by itself is kept in `folder` at once. A variant whose
     worker was lost has status "lost" and a reason, and does not disturb the others."""
-    results: dict[str, dict[str, Any]] = {}
+    results: dict[str, Result] = {}
     with connected(address) as client:
         waiting = {client.submit(run_variant, *task, pure=False): variant for variant, task in tasks}
         say(f"sent {len(waiting)} variants to {address}, {len(client.nthreads())} workers")
@@ -95,14 +96,13 @@ def _has_workers(client: Client) -> bool:
         return False
 
 
-def _collected(future: Future, run_dir: Path) -> dict[str, Any]:
+def _collected(future: Future, run_dir: Path) -> Result:
     """A task's result; of a run that ended by itself, result and probes are kept in `run_dir`."""
     if future.status != "finished":
         return {"status": "lost", "reason": _why_lost(future)}
     found = future.result()
     if found["result"] is None:
-        reason = found["log"].strip()
-        return {"status": "refused", "reason": reason.splitlines()[0] if reason else "no result"}
+        return without_result(found["log"], found["code"])
     result = json.loads(found["result"])
     if result["status"] not in ("finished", "failed"):
         return {"status": "lost", "reason": f"its run was {result['status']}: {result['reason']}"}
@@ -126,6 +126,6 @@ def _why_lost(future: Future) -> str:
     return f"its worker could not run it ({what}); scheduler and workers need the same Shearwater as is installed here"
 
 
-def _report(variant: Variant, result: dict[str, Any], say: Callable[[str], None]) -> None:
+def _report(variant: Variant, result: Result, say: Callable[[str], None]) -> None:
     say(f"{variant.family}: {variant.label or 'as it stands'}")
-    say(f"  {result['status']} {result.get('reason') or ''}".rstrip())
+    say(f"  {told(result)}")

@@ -96,8 +96,8 @@ def summary(chart: Chart) -> list[str]:
     beside = sum(not p.alone for p in chart.points)
     if beside:
         lines.append(
-            f"- Errors count, times do not: {beside} of {len(chart.points)} variants (~) ran side by side or on other "
-            "machines, so costs, slopes and the front are only a hint. For times, chart anew into an empty folder, one "
-            "variant at a time."
+            f"- Errors count, times do not: {beside} of {len(chart.points)} variants (~) ran side by side, in "
+            "pieces or on other machines, so costs, slopes and the front are only a hint. For times, chart anew into "
+            "an empty folder, one variant at a time."
         )
-    return lines
+    return lines + [f"- {note}" for note in chart.notes]

@@ -14,32 +14,41 @@ from shared.statistics import Interval, relative_error, statistic
 
 
 def goal_value(variant: Variant, result: dict[str, Any], run_dir: Path) -> float | None:
-    """The goal's statistic of the goal's probe in a finished run."""
+    """The goal's statistic of the goal's probe in a finished run. Raises BadInput where its probes cannot be read."""
     if result["status"] != "finished":
         return None
     scene = variant.scene
-    time, histories = read_probes(run_dir / "probes.csv")
+    path = run_dir / "probes.csv"
+    time, histories = read_probes(path)
+    if scene.goal.probe not in histories or len(time) == 0:
+        raise BadInput(f"{path} holds no history of {scene.goal.probe}: remove its run, and run it again")
     between = _interval(scene)
     if between is None and scene.goal.statistic == "mean":
         between = (scene.output.average_from, float(time[-1]))
     return statistic(scene.goal.statistic, time, histories[scene.goal.probe], between)
 
 
+def known_truth(scene: Scene) -> float | None:
+    """The value of the reference that the study names; None where its finest run is to be the truth. Raises
+    BadInput."""
+    if scene.study.truth is None:
+        return None
+    known = {r.name: _known(r) for r in _references(scene)}
+    if known.get(scene.study.truth) is None:
+        there = ", ".join(repr(name) for name, value in known.items() if value is not None) or "none"
+        raise BadInput(
+            f"study.truth = {scene.study.truth!r}: no reference with a value for the {scene.goal.statistic} of "
+            f"{scene.goal.probe} has this name; there is {there}"
+        )
+    return known[scene.study.truth]
+
+
 def find_truth(scene: Scene, variants, values) -> tuple[str, float, Variant | None]:
-    """Name and value of the truth, and the variant that it was taken from, if it is one."""
-    if scene.study.truth is not None:
-        known = {r.name: _known(r) for r in _references(scene)}
-        if known.get(scene.study.truth) is None:
-            there = ", ".join(repr(name) for name, value in known.items() if value is not None) or "none"
-            raise BadInput(
-                f"study.truth = {scene.study.truth!r}: no reference with a value for the {scene.goal.statistic} of "
-                f"{scene.goal.probe} has this name; there is {there}"
-            )
-        return scene.study.truth, known[scene.study.truth], None
-    done = [(v.dx, k) for k, (v, value) in enumerate(zip(variants, values, strict=True)) if value is not None]
-    if not done:
-        raise BadInput("no variant finished, so there is nothing to chart; the logs stand beside the run directories")
-    finest = min(done)[1]
+    """Name and value of the truth, and the variant that it was taken from, if it is one; one of `values` is known."""
+    known = known_truth(scene)
+    if known is not None:
+        return scene.study.truth, known, None
+    finest = min((v.dx, k) for k, (v, value) in enumerate(zip(variants, values, strict=True)) if value is not None)[1]
     return f"finest run, {variants[finest].series} {variants[finest].label}", values[finest], variants[finest]
 
 

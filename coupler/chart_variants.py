@@ -41,7 +41,13 @@ def study_variants(case: str, sets: Sequence[str] = ()) -> list[Variant]:
         missing = "[study]" if scene.study is None else "[goal]"
         raise BadInput(f"{case}: a chart needs the table {missing}; cases/SCENE.md documents it")
     found, mistakes = [], []
-    for family in scene.study.families:
+    for i, family in enumerate(scene.study.families):
+        mistakes += [
+            f"study.families[{i}].vary[{k}]: an axis without settings, so that the family has no variants: give it "
+            "some, or leave it away"
+            for k, axis in enumerate(family.vary)
+            if not axis
+        ]
         for settings in itertools.product(*family.vary):
             own = tuple(itertools.chain.from_iterable(settings))
             changes = (*sets, *scene.study.sets, *family.sets, *own)

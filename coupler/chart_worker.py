@@ -14,11 +14,11 @@ RUN_FOLDER = "run"
 """Where a variant's command has to put its run directory."""
 
 
-def run_variant(words: list[str], scene_file: str, scene: str) -> dict[str, str | None]:
+def run_variant(words: list[str], scene_file: str, scene: str) -> dict[str, str | int | None]:
     """Run Python with `words` in a temporary folder that holds the text `scene` as `scene_file`.
 
-    Returns the texts of result.json and probes.csv, None where the run left none, and its log. The run ends early when
-    the chart gives it up, and with the worker.
+    Returns the texts of result.json and probes.csv, None where the run left none, its log and its exit code.
+    The run ends early when the chart gives it up, and with the worker.
     """
     with tempfile.TemporaryDirectory(prefix="shearwater-") as name:
         folder = Path(name)
@@ -36,6 +36,7 @@ def run_variant(words: list[str], scene_file: str, scene: str) -> dict[str, str 
             "result": _text(run / "result.json"),
             "probes": _text(run / "probes.csv"),
             "log": log.read_text(encoding="utf-8", errors="replace"),
+            "code": child.returncode,
         }
 
 

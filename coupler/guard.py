@@ -1,6 +1,7 @@
 """Runs a command for as long as the process that started it lives: `python -m coupler.guard COMMAND…`.
 
-A worker of a cluster may be killed at any time, and nobody would be left to end the run that it had started.
+A chart, or a worker of a cluster, may be killed at any time, and nobody would be left to end the run that it had
+started.
 """
 
 from __future__ import annotations
@@ -28,14 +29,15 @@ def end(child: subprocess.Popen, patience: float = PATIENCE_S) -> None:
 
 
 def main(command: list[str]) -> int:
-    """The command's exit code."""
+    """The command's exit code; 128 and a signal's number where that ended it."""
     parent = os.getppid()
     on_stop_signals(lambda number, frame: sys.exit(128 + number))
     child = subprocess.Popen(command)
     try:
         while os.getppid() == parent:
             try:
-                return child.wait(_LOOK_EVERY_S)
+                code = child.wait(_LOOK_EVERY_S)
+                return code if code >= 0 else 128 - code
             except subprocess.TimeoutExpired:
                 continue
         return 1

@@ -8,7 +8,9 @@ import os
 import platform
 import resource
 import sys
+import tempfile
 from collections.abc import Mapping
+from functools import cache
 from importlib import metadata
 from pathlib import Path
 from typing import Any
@@ -34,6 +36,7 @@ _DISTRIBUTIONS = {
     "h5py": "h5py",
     "zenoh": "eclipse-zenoh",
 }
+_PACKAGES = ("shared", "fluid_solver", "solid_solver", "coupler")
 
 
 def new_run_directory(out: Path | None, case: str) -> Path:
@@ -65,6 +68,19 @@ def new_run_directory(out: Path | None, case: str) -> Path:
             f"The run directory {out or 'runs/' + case} cannot be made ({error}). "
             f"Name a place that can be written with --out DIR."
         ) from error
+
+
+def output_folder(folder: Path) -> Path:
+    """Make the `folder` of a command's results, and try it before anything is computed. Raises BadInput."""
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+        with tempfile.TemporaryFile(dir=folder) as file:
+            file.write(b"tried")
+    except OSError as error:
+        raise BadInput(
+            f"The folder {folder} cannot be made or written to ({error}). Name a place that can be with --out DIR."
+        ) from error
+    return folder
 
 
 def make_result(
@@ -171,8 +187,9 @@ def read_result(run_dir: Path) -> dict[str, Any]:
 
 
 def environment(threads: Mapping[str, int]) -> dict[str, Any]:
-    """What a result depends on besides its case: versions, processor, threads per side, compiler flags."""
-    versions = {"python": platform.python_version()}
+    """What a result depends on besides its case: versions, a digest of the sources, processor, threads per side,
+    compiler flags."""
+    versions = {"python": platform.python_version(), "sources": _sources()}
     for name, distribution in _DISTRIBUTIONS.items():
         try:
             versions[name] = metadata.version(distribution)
@@ -187,6 +204,15 @@ def environment(threads: Mapping[str, int]) -> dict[str, Any]:
         "threads": dict(threads),
         "numba": flags,
     }
+
+
+@cache
+def _sources() -> str:
+    """Digest of the programs, whatever their version is called."""
+    root, digest = Path(__file__).resolve().parent.parent, hashlib.sha256()
+    for path in sorted(path for package in _PACKAGES for path in (root / package).glob("*.py")):
+        digest.update(path.read_bytes())
+    return digest.hexdigest()[:12]
 
 
 def _cpu_model() -> str:

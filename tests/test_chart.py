@@ -7,10 +7,10 @@ from types import SimpleNamespace
 
 import pytest
 
+from coupler import chart
 from coupler.chart import make_chart, pareto, slopes
 from coupler.chart_files import COLUMNS, summary, write_chart
-from coupler.chart_runs import _finished
-from coupler.chart_truth import find_truth, spread
+from coupler.chart_truth import spread
 from coupler.chart_variants import study_variants
 from shared.contract import BadInput
 from shared.scene import shipped_cases
@@ -64,12 +64,15 @@ def case(tmp_path):
 
 def test_a_chart_runs_once_says_what_is_enough_and_keeps_failures(case, tmp_path):
     said = []
-    chart = make_chart(case, (), tmp_path / "chart", 2, said.append)
-    paths = write_chart(chart, tmp_path / "chart", "coupler chart small")
-    assert chart.smallest.variant.family == "beam"
-    assert chart.smallest.error < 1e-3
-    assert [p.status for p in chart.points] == ["finished", "finished", "failed"]
-    assert all(p.expected.core_s > 0.0 for p in chart.points)
+    found = make_chart(case, (), tmp_path / "chart", 2, said.append)
+    paths = write_chart(found, tmp_path / "chart", "coupler chart small")
+    left = tmp_path / "chart" / "runs" / found.points[2].variant.folder
+    assert summary(found)[-1].startswith("- Missing: torn, as it stands: failed, The beam failed at t =")
+    assert summary(found)[-1].endswith(f"it is not run again unless {left} is removed.")
+    assert found.smallest.variant.family == "beam"
+    assert found.smallest.error < 1e-3
+    assert [p.status for p in found.points] == ["finished", "finished", "failed"]
+    assert all(p.expected.core_s > 0.0 for p in found.points)
     with paths[0].open() as file:
         rows = list(csv.DictReader(file))
     assert tuple(rows[0]) == COLUMNS
@@ -81,15 +84,24 @@ def test_a_chart_runs_once_says_what_is_enough_and_keeps_failures(case, tmp_path
     said.clear()
     again = make_chart(case, (), tmp_path / "chart", 1, said.append)
     assert said == []
-    assert [p.value for p in again.points] == [p.value for p in chart.points]
-    assert summary(again)[0] == summary(chart)[0]
+    assert [p.value for p in again.points] == [p.value for p in found.points]
+    assert summary(again)[0] == summary(found)[0]
 
 
 def test_a_chart_of_what_is_no_study_is_refused(case):
     with pytest.raises(BadInput, match=r"needs the table \[study\]"):
         study_variants("soft_plate")
-    with pytest.raises(BadInput, match=r"study\.truth = 'nobody'"):
-        find_truth(study_variants(case, ["study.truth=nobody"])[0].scene, [], [])
+
+
+def test_what_is_wrong_from_the_start_is_said_before_any_run(case, tmp_path, monkeypatch):
+    monkeypatch.setattr(chart, "run_variants", None)
+    with pytest.raises(BadInput, match=r"study\.truth = 'nobody': no reference .* there is '2-D elasticity'"):
+        make_chart(case, ["study.truth=nobody"], tmp_path / "chart", 1, print)
+    (tmp_path / "file").touch()
+    with pytest.raises(BadInput, match=r"file/chart cannot be made .*--out DIR"):
+        make_chart(case, (), tmp_path / "file" / "chart", 1, print)
+    with pytest.raises(BadInput, match=r"study\.families\[0\]\.vary\[1\]: an axis without settings"):
+        study_variants(case, ['study.families[0].vary=[[["solid.dx=6e-3"]], []]'])
 
 
 def test_experiments_measured_as_curves_are_the_spread_where_the_finest_run_is_the_truth():
@@ -111,8 +123,3 @@ def test_every_mistake_of_a_study_is_reported(case):
 def test_shipped_studies_hold_valid_scenes_and_each_once(name):
     variants = study_variants(name)
     assert len({v.folder for v in variants}) == len(variants)
-
-
-def test_a_damaged_result_counts_as_none(tmp_path):
-    (tmp_path / "result.json").write_text('{"status": "fin', encoding="utf-8")
-    assert _finished(tmp_path) is None

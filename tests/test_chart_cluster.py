@@ -90,7 +90,7 @@ def test_two_workers_run_a_study_once_and_keep_failures(study, cluster, tmp_path
     assert [p.status for p in chart.points] == ["finished", "failed", "finished"]
     assert chart.smallest.error < 1e-3
     assert not any(p.alone for p in chart.points)
-    assert "times do not" in summary(chart)[-1]
+    assert any("times do not" in line for line in summary(chart))
     page = write_chart(chart, folder, "coupler chart small")[1].read_text(encoding="utf-8")
     assert f"~{chart.smallest.cost:.3g}" in page
     assert any("2 workers" in line for line in said)

@@ -324,7 +324,7 @@ def test_result_file_is_strict_json_and_replaced_whole(tmp_path, monkeypatch):
 
 def test_environment_names_what_a_result_depends_on():
     found = environment({"fluid": 2})
-    assert set(found["versions"]) == {"python", "shearwater", "numpy", "numba", "h5py", "zenoh"}
+    assert set(found["versions"]) == {"python", "sources", "shearwater", "numpy", "numba", "h5py", "zenoh"}
     assert found["versions"]["numpy"] == np.__version__
     assert found["threads"] == {"fluid": 2}
     assert "nnan" not in found["numba"]["fastmath"]  # checks for NaN must work
