@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from coupler.preflight_shapes import area, outline
-from shared.expected_speed import driven_speed, expected_speed, start_speed
+from shared.expected_speed import drifts, driven_speed, expected_speed, start_speed
 from shared.fluid_step import COURANT, fluid_step
 from shared.geometry import contains, distance_to
 from shared.kernels import kernel_named
@@ -23,8 +23,8 @@ UPWARD = 0.7  # cosine against gravity beyond which a face of the water is its f
 @dataclass(frozen=True)
 class Water:
     """The fluid. `held`: on all sides but its surface something stands behind it, so that it does not fall; `rests`: it
-    is held, starts at rest, and nothing drives it; `boxed`: at rest, and something stands behind its surface too;
-    `waves`: it is held, has a surface and weight, and does not rest."""
+    is held, starts at rest, and nothing drives it or drifts in it; `boxed`: at rest, and something stands behind its
+    surface too; `waves`: it is held, has a surface and weight, and does not rest."""
 
     model: str
     density: float
@@ -55,7 +55,7 @@ def measure_water(scene: Scene) -> Water:
     h = fluid.h_over_dx * fluid.dx
     support = kernel_named(fluid.kernel).support * h
     courant = COURANT.get(fluid.model, 1.0) if fluid.courant == "auto" else fluid.courant
-    still = start == 0.0 and driven_speed(scene) == 0.0
+    still = start == 0.0 and driven_speed(scene) == 0.0 and not drifts(scene)
     open_sides, open_top = unbacked(scene)
     if fluid.model in COURANT and not g:
         open_sides = open_sides or open_top  # what presses on it drives it away

@@ -6,22 +6,27 @@ import math
 
 import numpy as np
 
-from shared.geometry import outline
+from shared.geometry import area, faces, outline
 from shared.motion_table import largest_speed
 from shared.schema import Scene
 from shared.schema_fluid import FluidBody, Wall
+from shared.schema_solid import RIGID_MODELS, Load, Solid, SolidBody
 
 NO_SPEED = (
-    'fluid.sound_speed = "auto": needs an expected speed, but the scene has no gravity, no initial velocity of the '
-    "fluid and nothing whose motion is prescribed; give fluid.sound_speed in m/s, ten times the "
-    "largest speed you expect"
+    'fluid.sound_speed = "auto": needs an expected speed, but the scene has no gravity, no initial velocity, nothing '
+    "whose motion is prescribed and no load on a body that is free to move; give fluid.sound_speed in m/s, ten times "
+    "the largest speed you expect"
 )
 """What is wrong where the expected speed is 0."""
 
 
 def expected_speed(scene: Scene) -> float:
-    """Largest speed [m/s] of free fall over the fluid's height from its initial speed, and of what drives it; 0 where
-    nothing tells one."""
+    """Largest speed [m/s] of the water and of the structures in it; 0 where nothing tells one."""
+    return max(water_speed(scene), structure_speed(scene))
+
+
+def water_speed(scene: Scene) -> float:
+    """Largest speed [m/s] of free fall over the fluid's height from its initial speed, and of what drives it."""
     g = math.hypot(*scene.gravity)
     points = np.concatenate([outline(body).reshape(-1, 2) for body in scene.fluid.bodies])
     height = np.ptp(points @ np.asarray(scene.gravity)) / g if g > 0.0 else 0.0
@@ -41,6 +46,75 @@ def driven_speed(scene: Scene) -> float:
         corners = np.concatenate([outline(body).reshape(-1, 2) for body in scene.solid.bodies])
         speeds += [largest_speed(motion, corners) for motion in motions if motion is not None]
     return max(speeds, default=0.0)
+
+
+def structure_speed(scene: Scene) -> float:
+    """Largest speed [m/s] at which bodies of the structure start, fall, or are pushed where they are not held."""
+    solid = scene.solid
+    if solid is None or solid.model == "rigid" or solid.motion is not None:
+        return 0.0
+    return max(math.hypot(_start(solid, body), _pushed(scene, body)) for body in solid.bodies)
+
+
+def drifts(scene: Scene) -> bool:
+    """Whether a body that neither clamps nor springs hold starts moving, falls or is pushed."""
+    solid = scene.solid
+    if solid is None or solid.model == "rigid" or solid.motion is not None or any(solid.spring.stiffness[:2]):
+        return False
+    loose = [body for body in solid.bodies if not _clamped(solid, body)]
+    return any(body.velocity != (0.0, 0.0) or _pushed(scene, body) > 0.0 for body in loose)
+
+
+def _start(solid: Solid, body: SolidBody) -> float:
+    """Largest speed [m/s] at which a body starts: as a whole, spinning, and bending."""
+    corners = outline(body).reshape(-1, 2)
+    reach = 0.5 * math.hypot(*np.ptp(corners, axis=0))
+    speed = math.hypot(*body.velocity) + abs(body.spin) * reach
+    mode = body.velocity_mode
+    if mode is None:
+        return speed
+    if mode.tip_speed is not None:
+        return speed + abs(mode.tip_speed)
+    bulk = solid.youngs_modulus / (3.0 * (1.0 - 2.0 * solid.poisson_ratio))
+    return speed + abs(mode.tip_speed_over_c0) * math.sqrt(bulk / solid.density)
+
+
+def _pushed(scene: Scene, body: SolidBody) -> float:
+    """Speed [m/s] that its loads give a body until the end, over the fluid's extent at most, or on its springs; that
+    of its fall where it stands above the water."""
+    solid = scene.solid
+    if _clamped(solid, body):
+        return 0.0
+    water = np.concatenate([outline(one).reshape(-1, 2) for one in scene.fluid.bodies])
+    mass = solid.density * area(body)
+    push = np.sum([_force(body, load, mass) for load in solid.loads if load.body == body.name], axis=0) / mass
+    extent, speeds = np.ptp(water, axis=0), np.zeros(2)
+    for axis, a in enumerate(np.broadcast_to(np.abs(push), 2)):
+        held = solid.spring.stiffness[axis] if solid.model in RIGID_MODELS else 0.0
+        swing = a * math.sqrt(mass / held) if held > 0.0 else math.inf
+        speeds[axis] = min(a * scene.end_time, math.sqrt(2.0 * a * extent[axis]), swing)
+    return max(math.hypot(*speeds), _fall(scene, body, water))
+
+
+def _fall(scene: Scene, body: SolidBody, water: np.ndarray) -> float:
+    """Speed [m/s] of the fall of a body that stands above the water, by nothing held, to the water's floor."""
+    solid, down = scene.solid, np.asarray(scene.gravity)
+    drop = float(np.max(water @ down) - np.max(outline(body).reshape(-1, 2) @ down))
+    falls = solid.gravity and not any(solid.spring.stiffness[:2]) and drop > float(np.ptp(water @ down))
+    return math.sqrt(2.0 * drop) if falls else 0.0
+
+
+def _force(body: SolidBody, load: Load, mass: float) -> np.ndarray:
+    """Largest force (2,) [N/m] of a load."""
+    most = max(map(abs, load.table.factors)) if load.table is not None else 1.0
+    if load.acceleration is not None:
+        return most * mass * np.asarray(load.acceleration)
+    ends = faces(body)[load.face]
+    return most * float(np.hypot(*np.diff(ends, axis=1)[:, 0].T).sum()) * np.asarray(load.traction)
+
+
+def _clamped(solid: Solid, body: SolidBody) -> bool:
+    return any(clamp.body == body.name for clamp in solid.clamps)
 
 
 def _field_speed(body: FluidBody) -> float:

@@ -8,6 +8,8 @@ from types import SimpleNamespace
 import pytest
 
 from coupler.preflight_ladder import ladder, smallest
+from coupler.preflight_numbers import scene_numbers
+from coupler.preflight_rules import findings
 from fluid_solver.models import make_model
 from shared.commands import conclude
 from shared.contract import BadInput, Kinematics
@@ -105,3 +107,71 @@ def test_a_run_without_a_value_of_its_goal_says_so(tmp_path, capsys, value, said
     said_of_it = capsys.readouterr().err
     assert "no value of its goal, the period of push" in said_of_it
     assert said in said_of_it
+
+
+# ---- speeds of structures --------------------------------------------------------------------------------------------
+
+BLOCK = """\
+schema = 1
+title = "A block in a tank"
+end_time = 0.5
+[fluid]
+model = "wcsph"
+dx = 0.02
+bodies = [{ name = "w", difference = [{ rectangle = [0, 0, 1.0, 0.6] }, { rectangle = [0.3, 0.2, 0.5, 0.4] }] }]
+[[walls]]
+name = "tank"
+polyline = [[0, 0.6], [0, 0], [1.0, 0], [1.0, 0.6]]
+closed = true
+[solid]
+model = "spring"
+dx = 0.02
+density = 2000.0
+bodies = [{ name = "b", rectangle = [0.3, 0.2, 0.5, 0.4], MOVES, free = true }]
+[[probes]]
+name = "x"
+body = "b"
+point = [0.4, 0.3]
+quantity = "displacement-x"
+"""
+
+
+@pytest.mark.parametrize(
+    ("moves", "sets", "speed"),
+    [
+        ("velocity = [3.0, 0.0]", [], 3.0),
+        ("spin = 10.0", [], 10.0 * math.hypot(0.1, 0.1)),
+        ("velocity = [0.0, 0.0]", ["solid.loads=[{ body = 'b', acceleration = [0.4, 0.0] }]"], 0.2),
+        ("velocity = [0.0, 0.0]", ["solid.loads=[{ body = 'b', acceleration = [80.0, 0.0] }]"], math.sqrt(160.0)),
+        ("velocity = [0.0, 0.0]", ["solid.loads=[{ body = 'b', face = 'left', traction = [200.0, 0.0] }]"], 0.25),
+        (
+            "velocity = [0.0, 0.0]",
+            ["solid.loads=[{ body = 'b', acceleration = [0.4, 0.0] }]", "solid.spring.stiffness=[8000.0, 0.0, 0.0]"],
+            0.4 / 10.0,
+        ),
+    ],
+)
+def test_what_moves_in_the_water_tells_its_sound_speed(tmp_path, moves, sets, speed):
+    """Found: a block at 3 m/s in water whose sound ran at 3.46 m/s; 2412 kg/m³."""
+    scene = scene_of(BLOCK.replace("MOVES", moves), tmp_path, sets)
+    water = scene_numbers(scene).water
+    assert water.speed == pytest.approx(speed)
+    assert make_model(scene, True, 1).describe().numbers["sound_speed"] == pytest.approx(10.0 * speed)
+    slow = scene_of(BLOCK.replace("MOVES", moves), tmp_path, [*sets, f"fluid.sound_speed={speed}"])
+    assert {f.rule: f.verdict for f in findings(slow, scene_numbers(slow))}["Mach"] == "refuse"
+
+
+def test_water_in_which_a_body_drifts_does_not_rest(tmp_path):
+    rests = {}
+    for held in (0.0, 1e4):
+        sets = [f"solid.spring.stiffness=[{held}, {held}, 0.0]"]
+        scene = scene_of(BLOCK.replace("MOVES", "velocity = [1.0, 0.0]"), tmp_path, sets)
+        rests[held] = scene_numbers(scene).water.rests
+    assert rests == {0.0: False, 1e4: True}
+
+
+def test_a_body_that_falls_into_water_tells_a_speed(tmp_path):
+    text = BLOCK.replace("MOVES", "velocity = [0.0, 0.0]").replace("rectangle = [0.3, 0.2, 0.5, 0.4],", "HIGH,")
+    text = text.replace("HIGH", "rectangle = [0.3, 1.0, 0.5, 1.2]").replace("[0.4, 0.3]", "[0.4, 1.1]")
+    scene = scene_of(text, tmp_path, ["gravity=[0.0, -9.81]"])
+    assert scene_numbers(scene).water.speed == pytest.approx(math.sqrt(2.0 * 9.81 * 1.0))
