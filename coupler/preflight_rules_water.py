@@ -103,10 +103,11 @@ def viscosity(scene: Scene, n: Numbers) -> Finding | None:
         return None
     w, own = n.water, scene.fluid.viscosity
     artificial = scene.fluid.alpha * w.h * w.sound_speed / 8.0
-    if w.speed == 0.0 or own == artificial == 0.0:
+    speed = water_speed(scene)
+    if speed == 0.0 or own == artificial == 0.0:
         return None
     g = math.hypot(*scene.gravity)
-    speed = min(w.speed, g * w.width**2 / (8.0 * own)) if own > 0.0 and g > 0.0 else w.speed
+    speed = min(speed, g * w.width**2 / (8.0 * own)) if own > 0.0 and g > 0.0 else speed
     value = speed * w.width / max(own, artificial)
     reason = f"up to {speed:.3g} m/s, {w.width:.3g} m wide, ν = {max(own, artificial):.3g} m²/s"
     if own > 0.0 and artificial > ARTIFICIAL * own:
