@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import shlex
 from enum import StrEnum
 from pathlib import Path
 from typing import Annotated
@@ -76,9 +77,16 @@ def run(
         Models, typer.Option(help="As the scene says, or the smallest pair that meets its goal.")
     ] = Models.scene,
     force: Annotated[bool, typer.Option("--force", help="Run although pre-flight refuses the scene.")] = False,
+    fluid_command: Annotated[
+        str | None, typer.Option(help="A fluid of your own: what starts it.", metavar="COMMAND", show_default=False)
+    ] = None,
+    solid_command: Annotated[
+        str | None, typer.Option(help="A structure of your own: what starts it.", metavar="COMMAND", show_default=False)
+    ] = None,
 ) -> None:
     """Start both solvers, couple them, and write a run directory."""
     counts = parse_threads(",".join(threads or ()))
+    programs = parse_programs(fluid=fluid_command, solid=solid_command)
     scene = load_scene(case, sets or ())
     warn(scene)
     found = preflight(scene)
@@ -90,7 +98,7 @@ def run(
     warn_of(found)
     if not force:
         stop_if_refused(found)
-    record = run_coupled(scene, case_name(case), out, counts, quiet, link.value, found.as_dict())
+    record = run_coupled(scene, case_name(case), out, counts, quiet, link.value, found.as_dict(), programs)
     conclude_coupled(record, scene, quiet)
 
 
@@ -233,6 +241,21 @@ def parse_threads(text: str) -> dict[str, int]:
             raise BadInput(f"--threads {text!r}: {part!r} is not fluid=N or solid=N with N at least 1")
         counts[side] = int(count)
     return counts
+
+
+def parse_programs(**commands: str | None) -> dict[str, list[str]]:
+    """Words of each side's command, as a shell takes them apart."""
+    programs = {}
+    for side, command in commands.items():
+        try:
+            words = shlex.split(command or "")
+        except ValueError as error:
+            raise BadInput(f"--{side}-command {command!r} is not a command: {error}") from None
+        if words:
+            programs[side] = words
+        elif command is not None:
+            raise BadInput(f"--{side}-command is empty: name the program that serves the {side} side")
+    return programs
 
 
 def main() -> None:

@@ -47,12 +47,15 @@ def run_coupled(
     quiet: bool,
     link: str = "zenoh",
     preflight: dict[str, Any] | None = None,
+    programs: dict[str, list[str]] | None = None,
 ) -> Record:
     """Couple the two sides of `scene`; returns the finished record.
 
     `link`: "zenoh" for two processes, "inprocess" for both sides in this one. `preflight`: what the record is to hold
-    of it beside what the two sides say of themselves.
+    of it beside what the two sides say of themselves. `programs`: words of the command of a side that is not ours.
     """
+    if programs and link == "inprocess":
+        raise BadInput("A side with a command of its own is a process: leave --link inprocess away.")
     for side in ("fluid", "solid"):
         if getattr(scene, side) is None:
             other = "solid" if side == "fluid" else "fluid"
@@ -63,6 +66,7 @@ def run_coupled(
     run_dir = new_run_directory(out, case)
     with Record(run_dir, scene, case, threads, quiet) as record:
         record.preflight |= preflight or {}
+        record.programs |= programs or {}
         _run(scene, threads, link, record)
     return record
 
@@ -72,6 +76,7 @@ def resume_coupled(cut: Unfinished, threads: dict[str, int], link: str, quiet: b
     scene, last = cut.scene, cut.last
     with Record(cut.run_dir, scene, last.notes["case"], threads, quiet, last, cut.held) as record:
         record.preflight |= last.notes["preflight"]
+        record.programs |= last.notes.get("programs", {})
         _run(scene, threads, link, record, last)
     return record
 
@@ -102,10 +107,12 @@ def _naming_the_way_on(run_dir: Path) -> Iterator[None]:
 def _sides(scene: Scene, threads: dict[str, int], link: str, run: str, record: Record):
     """The context that holds both participants as remotes, their compiled code ready."""
     run_dir = record.run_dir
-    fill_cache(PACKAGES, run_dir / "case.toml", scene)
-    if link == "inprocess":
+    ours = {side: package for side, package in PACKAGES.items() if side not in record.programs}
+    fill_cache(ours, run_dir / "case.toml", scene)
+    if link == "inprocess" and not record.programs:
         return inprocess_sides(scene, threads, run, run_dir)
-    return solver_processes(run, run_dir, threads, scene.coupling.stall_after, record.claim.fileno())
+    stall_after, claim = scene.coupling.stall_after, record.claim.fileno()
+    return solver_processes(run, run_dir, threads, stall_after, claim, record.programs)
 
 
 def couple(scene: Scene, fluid: Remote, structure: Remote, record: Record, last: Checkpoint | None = None) -> None:
@@ -131,7 +138,8 @@ def couple(scene: Scene, fluid: Remote, structure: Remote, record: Record, last:
         log.info("%s", reason)
     c = start(scene, clock, mapping, fluid, structure, record, last)
     counts = march(scene, plan, clock, c, record, last)
-    costs = {"fluid": fluid.finish(), "solid": structure.finish()}
+    described = {"fluid": described_fluid, "solid": described_structure}
+    costs = {side.name: {"model": described[side.name].model, **side.finish()} for side in (fluid, structure)}
     sides = [cost.pop("core_s") for cost in costs.values()]
     waited = counts["marched_s"] - counts["worked_s"]
     record.cost |= {

@@ -4,10 +4,11 @@ from __future__ import annotations
 
 import contextlib
 import os
+import shlex
 import signal
 import subprocess
 import sys
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -63,7 +64,7 @@ class Solver:
             self.process.wait()
 
 
-def _command(name: str, endpoint: str, run: str, run_dir: Path, threads: int) -> list[str]:
+def _command(program: Sequence[str], name: str, endpoint: str, run: str, run_dir: Path, threads: int) -> list[str]:
     options = {
         "--connect": endpoint,
         "--run": run,
@@ -72,9 +73,7 @@ def _command(name: str, endpoint: str, run: str, run_dir: Path, threads: int) ->
         "--parent": str(os.getpid()),
     }
     return [
-        sys.executable,
-        "-m",
-        PACKAGES[name],
+        *program,
         "serve",
         str(run_dir / "case.toml"),
         *(word for pair in options.items() for word in pair),
@@ -83,11 +82,17 @@ def _command(name: str, endpoint: str, run: str, run_dir: Path, threads: int) ->
 
 @contextlib.contextmanager
 def solver_processes(
-    run: str, run_dir: Path, threads: dict[str, int], stall_after: float, claim: int
+    run: str,
+    run_dir: Path,
+    threads: dict[str, int],
+    stall_after: float,
+    claim: int,
+    programs: Mapping[str, Sequence[str]] | None = None,
 ) -> Iterator[dict[str, Remote]]:
     """Both solvers as processes, connected over zenoh; they are gone when the context ends, however it ends.
 
-    `claim`: descriptor of the file that keeps others from the run; it is held as long as a solver lives.
+    `claim`: descriptor of the file that keeps others from the run; it is held as long as a solver lives. `programs`:
+    words of the command of a side that is not one of ours. Raises BadInput where one cannot be started.
     """
     log_dir = run_dir / "log"
     log_dir.mkdir(exist_ok=True)
@@ -96,15 +101,20 @@ def solver_processes(
         for name in PACKAGES:
             log = log_dir / f"{name}.txt"
             output = stack.enter_context(log.open("a"))
-            # A session of its own: Ctrl-C reaches the coupler alone, which ends the run in order.
-            process = subprocess.Popen(
-                _command(name, endpoint, run, run_dir, threads[name]),
-                stdin=subprocess.DEVNULL,
-                stdout=output,
-                stderr=subprocess.STDOUT,
-                start_new_session=True,
-                pass_fds=(claim,),
-            )
+            program = (programs or {}).get(name) or [sys.executable, "-m", PACKAGES[name]]
+            try:
+                # A session of its own: Ctrl-C reaches the coupler alone, which ends the run in order.
+                process = subprocess.Popen(
+                    _command(program, name, endpoint, run, run_dir, threads[name]),
+                    stdin=subprocess.DEVNULL,
+                    stdout=output,
+                    stderr=subprocess.STDOUT,
+                    start_new_session=True,
+                    pass_fds=(claim,),
+                )
+            except OSError as error:
+                how = f"The {name} side's command {shlex.join(program)} cannot be started: {error.strerror}."
+                raise BadInput(how) from None
             solver = Solver(name, process, log)
             solvers.append(solver)
             stack.callback(solver.stop)

@@ -24,10 +24,10 @@ _OF_THE_SYSTEM = re.compile(r"\[Errno \d+\]")
 class Record:
     """Context of a run in `run_dir`: writes `case.toml` first, `probes.csv` on the way, `result.json` at the end.
 
-    The run adds to `cost`, `ledger` and `preflight`. An error or Ctrl-C that leaves the context is written down as
-    the run's status and reason, and goes on; after Ctrl-C the command that goes on with the run is printed. Status:
-    "finished"; "failed", by what was computed; "lost", by the machine (a process killed, a full disk): the same run
-    may finish another time; "interrupted".
+    The run adds to `cost`, `ledger`, `preflight` and `programs`, the commands of sides that are not ours. An error or
+    Ctrl-C that leaves the context is written down as the run's status and reason, and goes on; after Ctrl-C the command
+    that goes on with the run is printed. Status: "finished"; "failed", by what was computed; "lost", by the machine (a
+    process killed, a full disk): the same run may finish another time; "interrupted".
 
     `last`: the checkpoint that the run goes on from, with the `held` claim to it. What is there beyond it, and the
     result, stay until the run has gone on: one that cannot changes nothing.
@@ -47,6 +47,7 @@ class Record:
         self.cost: dict[str, Any] = {}
         self.ledger: dict[str, float] = {}
         self.preflight: dict[str, float] = {}
+        self.programs: dict[str, list[str]] = {}
         self.pictures: list[Path] = []
         self.result: dict[str, Any] = {}
         self._scene, self._case, self._threads = scene, case, dict(threads)
@@ -82,6 +83,7 @@ class Record:
             "probe_rows": self._table.rows,
             "wall_s": self._wall(),
             "preflight": self.preflight,
+            "programs": self.programs,
             "environment": environment(self._threads),
         }
 

@@ -67,7 +67,7 @@ def _found(run_dir: Path) -> tuple[Scene, Checkpoint]:
     for path in (run_dir / f"{side}.vtkhdf" for side in last.notes["threads"]):
         if path.exists():
             check_frames(path)
-        else:
+        elif path.stem not in last.notes.get("programs", {}):  # which need not write any
             _warn_of([f"{path} is gone"], f"a new one begins after t = {last.time:.4g} s")
     return scene, last
 

@@ -29,11 +29,33 @@ Requests and what they carry (fields; info), and their replies:
     save, load path (a file of the participant's machine) → –
     finish     –                                   → –; cost
 
+What the info of a reply must hold:
+
+    describe   name, role ("fluid" or "structure") and model: texts; stable_step [s], spacing [m]: above 0; numbers,
+               above 0 each: of a fluid density [kg/m³], support (reach of its kernel) [m], and sound_speed [m/s] where
+               it carries sound; of a structure density, thickness (of its thinnest body) [m], and wave_speed [m/s]
+               where its model is total-lagrangian or ctvf
+    probes     name → value of the scene's probes that are the side's own: a structure's those on its bodies but force-x
+               and force-y, a fluid's all others; at the start, and of window k (from 0) accepted a row is due if
+               (k + 1) p // w > k p // w, with p = probe_rows and w = windows of the start
+    cost       core_s: processor time [s]; and whatever else is to stand in cost of result.json: steps, particles, …
+    error      text: one paragraph, what is wrong and the way out; exit_code 2 (bad input), 3 (failed) or 4
+
+save writes the whole state, and load takes it, so that a run can go on; a participant that cannot needs
+output.checkpoint_every = 0. rollback comes only if the start says so.
+
 Every reply may carry, in its info, spent: two times [s], what the participant worked after its last reply, and for this
 one; by them the coupler tells work from waiting.
 
 An exchange is either kinematics (position, velocity, acceleration, velocity_mean, acceleration_mean: each (k, 2)) or
-loads (pressure (k,), force (k, 2)); units in contract.py. Any program that speaks these messages can be a participant.
+loads (pressure (k,), force (k, 2)); units in contract.py. Any program that speaks these messages can be a participant:
+`coupler run CASE --solid-command COMMAND` (or --fluid-command) starts
+
+    COMMAND serve RUN_DIR/case.toml --connect ENDPOINT --run RUN --out RUN_DIR/solid.vtkhdf --threads N --parent PID
+
+in a session of its own, its output in RUN_DIR/log/solid.txt. It connects to the zenoh endpoint, serves run RUN on the
+keys of link_zenoh.py, may write frames to --out, ends after finish, and when process PID, which started it, has ended.
+cases/participant/spring.py is a whole one.
 
 Every reader checks everything before a message reaches a solver, and says what is wrong. No pickle anywhere.
 """
