@@ -1,14 +1,8 @@
 """Bounds of the error that a choice of models and resolution makes in the scene's goal, relative, and what they add.
 
-Each part is measured on cases with a known answer (cases/results/structures.md and README.md), with a margin of 1.2 to
-2.5 over the worst found; n particles across, t/L thickness over length, ν Poisson's ratio, dx spacing of the fluid.
+Each part is measured on cases with a known answer (cases/results and README.md), with a margin of 1.2 to 2.5 over the
+worst found; dx spacing of the fluid. The structure's part, and what its swing adds: preflight_error_solid.py.
 
-    beam               0.75 (t/L)² + 0.22 ν t/L per clamp, which holds its section's width too + 1.5 × stretch along
-                       its axis                                        plate_step_load, oscillating_plate, udl_beam
-    total-lagrangian   (0.08 + 0.15 ν)/n                                udl_beam at 6 … 20 across, ν 0 … 0.47
-    solid ctvf         (0.15 + 0.15 ν)/n quadratic, 5/n² linear, 4.5/n printed gradient
-    both               at least (0.6 + 1.3 ν) dx/L per clamp, which gives way within about a particle: what counts in a
-                       body that is not slender          udl_beam, hydrostatic_plate, a dam of gel as wide as high
     still              0.1 %
                        (neither this nor a column bears a body that floats, this none without weight)
     column             0.1 % of a mean or under a rigid body; 30 % of the swing of a plate that bends, whose water flows
@@ -25,17 +19,16 @@ Each part is measured on cases with a known answer (cases/results/structures.md 
                        8 % more with less than 40 neighbours, whose lattice bears more            standing_wave
     waves' heights     as flow that is held, and with less than 40 neighbours 20 % more, for such a lattice bears waves
                        of its spacing's height; at any dx                                          a wavemaker
-
-A period or a time of a peak feels half the error of a stiffness. A mean feels what is left of the start-up swing.
 """
 
 from __future__ import annotations
 
 import math
 
+from coupler.preflight_error_solid import PHASE, SWING, UNKNOWN, of_structure, swing_at_the_end, swing_in_a_mean
 from coupler.preflight_finding import PARTICLE_FLUIDS, STEADY
 from coupler.preflight_numbers import Numbers
-from coupler.preflight_plate import Plate, creep, swing_left
+from coupler.preflight_plate import Plate
 from coupler.preflight_rules_joint import HELMHOLTZ_REFUSE
 from coupler.preflight_rules_water import LOOSE
 from shared.schema import Scene
@@ -43,11 +36,6 @@ from shared.schema_solid import RIGID_MODELS
 
 Parts = dict[str, float]
 
-BEAM_SHAPE, BEAM_CLAMP, BEAM_STRETCH = 0.75, 0.22, 1.5
-LAGRANGIAN = (0.08, 0.15)
-UPDATED = (0.15, 0.15)
-CLAMPED = (0.6, 1.3)
-LINEAR, PRINTED = 5.0, 4.5
 STILL = 1e-3
 COLUMN = 0.3
 REST = {"ctvf": 1.0, "wcsph": 3.0}
@@ -58,11 +46,6 @@ WAVE_LATTICE, WAVE_MARGIN = 0.008, (1.2, 0.0025)
 LATTICE, WAVES = 0.08, 0.2  # of a period and of a height, where a lattice bears waves
 AFLOAT, WATERLINE = 0.03, 0.4  # weight of the water that a body's motion moves, over its springs' force
 FLOW, FRONT = 5.0, 1.4
-KEPT = {"total-lagrangian": 1e-12, "spring": 1e-12, "rigid": 1e-12, "beam": 1e-3, "ctvf": 1e-2}
-"""What a model loses of a momentum, or of a stress carried round, that physics keeps."""
-BEAM_CONSERVES = ("momentum-x", "momentum-y", "angular-momentum")
-TIMES = ("period", "t_min", "t_max")
-UNKNOWN = math.inf
 
 
 def error_parts(scene: Scene, n: Numbers) -> Parts:
@@ -71,44 +54,17 @@ def error_parts(scene: Scene, n: Numbers) -> Parts:
         return {}
     parts = {}
     if n.plate is not None:
-        parts[scene.solid.model] = _solid(scene, n)
+        parts[scene.solid.model] = of_structure(scene, n)
     if n.water is not None:
         parts[f"fluid {scene.fluid.model}"] = _fluid(scene, n)
-    swing = _swing(scene, n)
-    if swing > 0.0:
-        parts["start-up swing in the mean"] = swing
-    return parts
+    swings = {SWING: swing_in_a_mean(scene, n), PHASE: swing_at_the_end(scene, n, sum(parts.values()))}
+    return parts | {name: part for name, part in swings.items() if part > 0.0}
 
 
 def error_bound(scene: Scene, n: Numbers) -> float | None:
     """Bound of the goal's relative error; None without a goal, infinite where the choice cannot do it."""
     parts = error_parts(scene, n)
     return sum(parts.values()) if parts else None
-
-
-def _solid(scene: Scene, n: Numbers) -> float:
-    plate, solid = n.plate, scene.solid
-    if scene.goal.statistic == "change":
-        return KEPT[plate.model]
-    if plate.model in RIGID_MODELS:
-        return 0.0
-    nu = solid.poisson_ratio
-    if plate.model == "beam":
-        slender = plate.thickness / plate.length
-        bound = BEAM_SHAPE * slender**2 + BEAM_CLAMP * plate.clamps * nu * slender + BEAM_STRETCH * plate.stretch
-    elif plate.model == "ctvf" and solid.gradient != "quadratic":
-        bound = LINEAR / plate.across**2 if solid.gradient == "linear" else PRINTED / plate.across
-    else:
-        base, slope = LAGRANGIAN if plate.model == "total-lagrangian" else UPDATED
-        bound = max((base + slope * nu) / plate.across, _clamped(scene, n))
-    return bound * (0.5 if scene.goal.statistic in TIMES else 1.0)
-
-
-def _clamped(scene: Scene, n: Numbers) -> float:
-    """Error of a deflection by clamps that give way within about a particle."""
-    solid, plate = scene.solid, n.plate
-    clamps = sum(clamp.body == plate.name for clamp in solid.clamps)
-    return (CLAMPED[0] + CLAMPED[1] * solid.poisson_ratio) * clamps * solid.dx / plate.length
 
 
 def _fluid(scene: Scene, n: Numbers) -> float:
@@ -180,17 +136,3 @@ def _radiates(n: Numbers) -> bool:
     if n.joint is None or n.joint.wet_frequency is None:
         return False
     return 2.0 * math.pi * n.joint.wet_frequency * n.joint.depth / n.water.sound_speed > HELMHOLTZ_REFUSE
-
-
-def _swing(scene: Scene, n: Numbers) -> float:
-    """What a swing from rest about the answer leaves in a mean: over N radians at most 1/N of the amplitude that is
-    left when it begins. Water of particles takes the swing away itself."""
-    plate = n.plate
-    if plate is None or plate.frequency is None or scene.goal.statistic not in STEADY:
-        return 0.0
-    if n.water is not None and n.water.model in PARTICLE_FLUIDS:
-        return 0.0
-    measured, omega = scene.end_time - scene.output.average_from, 2.0 * math.pi * plate.frequency
-    # A swing averages itself out, a creep only as far as it dies.
-    turns = omega if plate.damping < 2.0 * omega else creep(plate)
-    return swing_left(scene, plate) / max(turns * measured, 1.0)

@@ -12,6 +12,7 @@ from typing import Literal, get_args
 
 from coupler.preflight_cost import Cost, predicted_cost
 from coupler.preflight_error import Parts, afloat, error_parts
+from coupler.preflight_error_solid import PHASE, not_bounded
 from coupler.preflight_finding import PARTICLE_FLUIDS, STEADY
 from coupler.preflight_numbers import Numbers, scene_numbers
 from coupler.preflight_rules_joint import helmholtz
@@ -159,7 +160,12 @@ def _unable(scene: Scene, n: Numbers, worst: str) -> str:
             )
         if what not in STEADY:
             return f"a {what} feels the mass of the water that moves along, which {n.water.model} leaves out"
-    return f"{worst} does not express the goal"
+    if worst == PHASE:
+        return (
+            "by the end the phase of the swing is not known to a radian, so that its value may be anything: judge a "
+            "peak or a mean, end earlier, or damp it (solid.damping)"
+        )
+    return not_bounded(scene, n) or f"{worst} does not express the goal"
 
 
 def _cannot(scene: Scene, side: str, model: str | None) -> str:

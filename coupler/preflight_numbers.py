@@ -2,7 +2,8 @@
 
 Symbols: ρ density, c0 the fluid's sound speed, H the water's depth before the plate, t the plate's thickness, L its
 length, D = E t³/(12 (1 − ν²)) its bending stiffness (plane strain), f its first dry frequency, Δt a time step. The
-*plate* is the thinnest body of the solid; other shapes are measured by their bounding boxes in their own frames.
+*plate* is the body that the goal asks about, or else the thinnest; other shapes are measured by their bounding boxes in
+their own frames. Where the worst body decides (mass ratio, windows, supports, particles across), t is of the thinnest.
 """
 
 from __future__ import annotations
@@ -12,11 +13,12 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from coupler.preflight_plate import Plate, measure_plate
-from coupler.preflight_shapes import outline, own_box
+from coupler.preflight_plate import Plate, lengthwise, levels_before, measure_plate
+from coupler.preflight_shapes import outline
 from coupler.preflight_water import Water, measure_water
 from shared.regions import axes_of
 from shared.schema import Scene
+from shared.schema_geometry import Body
 
 MODE_SHARE = {1: 0.613, 2: 0.690}  # (∫φ)²/(L ∫φ²) of the first mode: share of a column's mass that moves with it
 _SPANS = 0.9  # of the water's width: a plate this long moves the whole column
@@ -25,7 +27,8 @@ _SPANS = 0.9  # of the water's width: a plate this long moves the whole column
 @dataclass(frozen=True)
 class Joint:
     """What water and plate are to each other: r = ρ_f H/(ρ_s t), `depth` H [m] of the water along the plate's normal,
-    `wet_frequency` [1/s] with the mass of incompressible water, `closes`: the plate spans the water's whole width."""
+    `wet_frequency` [1/s] with the mass of incompressible water or, of a sprung body, with its columns, `closes`: a body
+    spans the water's whole width."""
 
     mass_ratio: float
     depth: float
@@ -52,16 +55,35 @@ def scene_numbers(scene: Scene) -> Numbers:
 
 def _joint(scene: Scene, water: Water, plate: Plate) -> Joint:
     body = next(one for one in scene.solid.bodies if one.name == plate.name)
-    extent = np.subtract(*own_box(body)[::-1])
-    axis = int(extent[1] > extent[0])
-    along, normal = axes_of(body.rotate)[axis], axes_of(body.rotate)[1 - axis]
+    normal = axes_of(body.rotate)[1 - lengthwise(body)[0]]
     corners = np.concatenate([outline(one).reshape(-1, 2) for one in scene.fluid.bodies])
     depth = float(np.ptp(corners @ normal))
-    closes = plate.wet == 1 and plate.length >= _SPANS * float(np.ptp(corners @ along))
+    closing = [one.name for one in scene.solid.bodies if _closes(scene, one, corners)]
     wet_frequency = None
     if plate.frequency is not None and plate.clamps:  # a free body moves as a whole first
         # Incompressible water: a plate that closes its column moves all of it, another a layer of L/π on a side.
-        layer = depth * MODE_SHARE.get(plate.clamps, 1.0) if closes else min(depth, plate.length / math.pi)
+        own = plate.name in closing
+        layer = depth * MODE_SHARE.get(plate.clamps, 1.0) if own else min(depth, plate.length / math.pi)
         added = water.density * layer * max(plate.wet, 1)
         wet_frequency = plate.frequency / math.sqrt(1.0 + added / (plate.density * plate.thickness))
-    return Joint(water.density * depth / (plate.density * plate.thickness), depth, wet_frequency, closes)
+    elif plate.frequency is not None and plate.model == "spring" and water.model == "column" and plate.wet:
+        wet_frequency = plate.frequency * math.sqrt(_sprung_in_column(scene, water, plate, depth))
+    ratio = water.density * depth / (plate.density * plate.thinnest)
+    return Joint(ratio, depth, wet_frequency, bool(closing))
+
+
+def _sprung_in_column(scene: Scene, water: Water, plate: Plate, depth: float) -> float:
+    """What columns make of the square of a sprung body's frequency: all their mass with an open end, a third of it and
+    their own stiffness ρ c²/H with a closed one."""
+    mass, column = plate.density * plate.thickness, plate.wet * water.density * depth
+    if scene.fluid.column.far_end == "open":
+        return 1.0 / (1.0 + column / mass)
+    stiffer = column * (water.sound_speed / depth) ** 2 / (mass * (2.0 * math.pi * plate.frequency) ** 2)
+    return (1.0 + stiffer) / (1.0 + column / (3.0 * mass))
+
+
+def _closes(scene: Scene, body: Body, corners: np.ndarray) -> bool:
+    """Whether a body with water on one side spans all of it."""
+    axis, _, length = lengthwise(body)
+    spans = length >= _SPANS * float(np.ptp(corners @ axes_of(body.rotate)[axis]))
+    return spans and len(levels_before(scene, body)) == 1

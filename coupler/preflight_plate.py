@@ -1,4 +1,4 @@
-"""The structure's part of pre-flight: its thinnest body as a plate, from the scene alone."""
+"""The structure's part of pre-flight: the body that matters as a plate, from the scene alone."""
 
 from __future__ import annotations
 
@@ -7,12 +7,14 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from coupler.preflight_shapes import area, own_box
+from coupler.preflight_shapes import area, outline, own_box
 from coupler.preflight_water import UPWARD, Water, edge_samples
 from shared.geometry import contains
 from shared.regions import axes_of
+from shared.scene_models import FORCES
 from shared.schema import Scene
 from shared.schema_geometry import Body
+from shared.schema_probes import Probe
 from shared.schema_solid import RIGID_MODELS
 from shared.solid_step import (
     UPDATED_COURANT,
@@ -31,9 +33,10 @@ _WET = 0.5  # of a face's samples before which water stands, from which it count
 
 @dataclass(frozen=True)
 class Plate:
-    """The thinnest body of the solid. `frequency` [1/s]: of a slender body, or of a rigid one on its springs;
-    `deflection` [m]: of a slender body under the scene's loads; None where there is no such thing. `stretch`: strain
-    along its length under them; `wet`: number of its long faces with water before them at t = 0."""
+    """The body that the goal asks about, or else the thinnest of the solid. `frequency` [1/s]: of a slender body, or of
+    a rigid one on its springs; `deflection` [m]: of a slender body under the scene's loads; None where there is no such
+    thing. `stretch`: strain along its length under them; `wet`: number of its long faces with water before them at
+    t = 0; `thinnest` [m]: thickness of the thinnest body, the first to fail where an exchange or a spacing does."""
 
     name: str
     model: str
@@ -51,6 +54,24 @@ class Plate:
     particles: float
     step: float
     damping: float
+    thinnest: float
+
+    @property
+    def fewest(self) -> float:
+        """Particles across the thinnest body."""
+        return self.across * self.thinnest / self.thickness
+
+
+def goals_probe(scene: Scene) -> Probe | None:
+    """The probe that the goal is about."""
+    return next((one for one in scene.probes if scene.goal is not None and one.name == scene.goal.probe), None)
+
+
+def of_a_body(scene: Scene) -> bool:
+    """Whether the goal is of what a body of the solid does, and not of the water's push on it."""
+    probe, solid = goals_probe(scene), scene.solid
+    named = probe is not None and solid is not None and probe.body in {body.name for body in solid.bodies}
+    return named and probe.quantity not in FORCES
 
 
 def swing_left(scene: Scene, plate: Plate) -> float:
@@ -66,25 +87,25 @@ def creep(plate: Plate) -> float:
 
 
 def measure_plate(scene: Scene, water: Water | None) -> Plate:
-    solid = scene.solid
-    body = min(solid.bodies, key=lambda one: float(np.min(np.subtract(*own_box(one)[::-1]))))
-    extent = np.subtract(*own_box(body)[::-1])
-    axis = int(extent[1] > extent[0])  # of the length
-    thickness, length = float(extent[1 - axis]), float(extent[axis])
-    ends = sum(c.body == body.name and c.face in FACES_OF_AXIS[axis] for c in solid.clamps)
+    solid, probe = scene.solid, goals_probe(scene)
+    thinnest = min(solid.bodies, key=lambda one: lengthwise(one)[1])
+    asked = (one for one in solid.bodies if probe is not None and one.name == probe.body)
+    body = next(asked, thinnest)
+    axis, thickness, length = lengthwise(body)
+    ends = _ends(scene, body)
     elastic = solid.youngs_modulus is not None and solid.model not in RIGID_MODELS
     nu, modulus = solid.poisson_ratio, solid.youngs_modulus or math.inf
     stiffness = modulus * thickness**3 / (12.0 * (1.0 - nu**2))
     frequency = deflection = None
     if elastic:
-        frequency = first_frequency(ends, length, stiffness, solid.density * thickness)
+        frequency = _frequency(scene, body)
     damping = solid.damping
     if solid.model == "spring":
         frequency, damping = _sprung(scene, body)
     axes = axes_of(body.rotate)
-    wet = _wetted(scene, body, axis) if water is not None else 0
+    levels = levels_before(scene, body) if water is not None else []
     if elastic and ends:
-        load = _load(scene, body, axis, axes[1 - axis], water, wet)
+        load = _load(scene, body, axes[1 - axis], water, levels)
         deflection = load * length**4 / (STATIC_FACTOR[ends] * stiffness)
     return Plate(
         name=body.name,
@@ -99,11 +120,31 @@ def measure_plate(scene: Scene, water: Water | None) -> Plate:
         frequency=frequency,
         deflection=deflection,
         stretch=_pull(scene, body, axis, axes[axis]) * (1.0 - nu**2) / modulus if elastic else 0.0,
-        wet=int(wet),
+        wet=len(levels),
         particles=_solid_particles(scene),
-        step=_solid_step(scene, frequency, ends),
+        step=_solid_step(scene, ends),
         damping=damping,
+        thinnest=lengthwise(thinnest)[1],
     )
+
+
+def lengthwise(body: Body) -> tuple[int, float, float]:
+    """Axis of a body's length in its own frame, its thickness and its length [m]."""
+    extent = np.subtract(*own_box(body)[::-1])
+    axis = int(extent[1] > extent[0])
+    return axis, float(extent[1 - axis]), float(extent[axis])
+
+
+def _ends(scene: Scene, body: Body) -> int:
+    """Number of a body's clamped ends."""
+    return sum(c.body == body.name and c.face in FACES_OF_AXIS[lengthwise(body)[0]] for c in scene.solid.clamps)
+
+
+def _frequency(scene: Scene, body: Body) -> float:
+    """First bending frequency [1/s] of a body as a thin beam."""
+    solid, (_, thickness, length) = scene.solid, lengthwise(body)
+    stiffness = solid.youngs_modulus * thickness**3 / (12.0 * (1.0 - solid.poisson_ratio**2))
+    return first_frequency(_ends(scene, body), length, stiffness, solid.density * thickness)
 
 
 def _sprung(scene: Scene, body: Body) -> tuple[float | None, float]:
@@ -129,11 +170,11 @@ def _solid_particles(scene: Scene) -> float:
     return sum(area(body) for body in solid.bodies) / solid.dx**2
 
 
-def _solid_step(scene: Scene, frequency: float | None, clamps: int) -> float:
+def _solid_step(scene: Scene, clamps: int) -> float:
     """As the model will choose it, where a lattice's largest frequency is an expectation (shared/solid_step.py)."""
     solid = scene.solid
     if solid.model == "beam":
-        return beam_step(frequency)
+        return beam_step(max(_frequency(scene, body) for body in solid.bodies))
     if solid.model in RIGID_MODELS:
         return scene.end_time
     spacing_time = solid.dx / wave_speed(solid)
@@ -144,25 +185,28 @@ def _solid_step(scene: Scene, frequency: float | None, clamps: int) -> float:
     return lattice_step(expected_limit(clamps, solid.poisson_ratio) * spacing_time, viscous_time(solid))
 
 
-def _wetted(scene: Scene, body: Body, axis: int) -> int:
-    """Number of the body's long faces with water before half of them or more at t = 0."""
-    dx = scene.fluid.dx
+def levels_before(scene: Scene, body: Body) -> list[float]:
+    """Of each of the body's long faces with water before half of them or more at t = 0, how far that water reaches
+    against gravity [m]."""
+    dx, g = scene.fluid.dx, np.asarray(scene.gravity)
+    up = -g / np.hypot(*g) if g.any() else np.zeros(2)
     middle, outward = edge_samples([body], dx)
-    normal = axes_of(body.rotate)[1 - axis]
-    count = 0
+    normal = axes_of(body.rotate)[1 - lengthwise(body)[0]]
+    levels = []
     for sense in (-1.0, 1.0):
         points = (middle + dx * outward)[outward @ normal * sense > UPWARD]
-        before = np.zeros(len(points), dtype=bool)
-        for water in scene.fluid.bodies:
-            before |= contains(water, points)
-        count += bool(before.any()) and before.mean() >= _WET
-    return count
+        inside = [contains(water, points) for water in scene.fluid.bodies]
+        before = np.any(inside, axis=0)
+        if before.any() and before.mean() >= _WET:
+            wetting = (water for water, one in zip(scene.fluid.bodies, inside, strict=True) if one.any())
+            levels.append(max(float((outline(water).reshape(-1, 2) @ up).max()) for water in wetting))
+    return levels
 
 
-def _load(scene: Scene, body: Body, axis: int, normal: np.ndarray, water: Water | None, wet: int) -> float:
-    """Uniform load [Pa] on the plate along its normal, by loads, weight and water; an estimate."""
-    solid = scene.solid
-    thickness = float(np.subtract(*own_box(body)[::-1])[1 - axis])
+def _load(scene: Scene, body: Body, normal: np.ndarray, water: Water | None, levels: list[float]) -> float:
+    """Uniform load [Pa] on the plate along its normal, by loads, weight and water, of which between two waters the
+    difference of their levels counts; an estimate."""
+    solid, thickness = scene.solid, lengthwise(body)[1]
     load = float(np.dot(scene.gravity, normal)) * solid.density * thickness if solid.gravity else 0.0
     for one in solid.loads:
         if one.body == body.name:
@@ -171,8 +215,9 @@ def _load(scene: Scene, body: Body, axis: int, normal: np.ndarray, water: Water 
     if water is None:
         return abs(load)
     g = math.hypot(*scene.gravity)
-    pressure = water.density * (g * water.height if water.rests else water.speed**2)
-    return abs(load) + (pressure if wet < 2 else 0.0)
+    if len(levels) == 2:
+        return abs(load) + water.density * g * abs(levels[0] - levels[1])
+    return abs(load) + water.density * (g * water.height if water.rests else water.speed**2)
 
 
 def _pull(scene: Scene, body: Body, axis: int, along: np.ndarray) -> float:

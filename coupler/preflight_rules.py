@@ -17,7 +17,15 @@ from coupler.preflight_rules_joint import (
     support,
     window_number,
 )
-from coupler.preflight_rules_plate import across, cauchy, courant_solid, poisson, printed_gradient, slenderness
+from coupler.preflight_rules_plate import (
+    across,
+    cauchy,
+    courant_solid,
+    periods_seen,
+    poisson,
+    printed_gradient,
+    slenderness,
+)
 from coupler.preflight_rules_size import filled_area, steps
 from coupler.preflight_rules_water import (
     courant_fluid,
@@ -52,6 +60,7 @@ RULES: tuple[Rule, ...] = (
     start_up,
     poisson,
     printed_gradient,
+    periods_seen,
     filled_area,
     steps,
 )

@@ -69,7 +69,7 @@ def window_number(scene: Scene, n: Numbers) -> Finding | None:
     window = expected_window(scene, n)
     if window is None or not of_particles(n) or n.plate.model == "rigid":
         return None
-    value = n.water.density * n.water.sound_speed * window / (n.plate.density * n.plate.thickness)
+    value = n.water.density * n.water.sound_speed * window / (n.plate.density * n.plate.thinnest)
     reason = f"window {window:.3g} s"
     asked = scene.coupling.scheme if scene.coupling.window != "auto" else expected_plan(scene, n).scheme
     if asked.endswith("implicit"):
@@ -82,13 +82,13 @@ def window_number(scene: Scene, n: Numbers) -> Finding | None:
 
 
 def support(scene: Scene, n: Numbers) -> Finding | None:
-    """The plate's thickness over the fluid kernel's support."""
+    """The thinnest body's thickness over the fluid kernel's support."""
     if n.plate is None or not of_particles(n):
         return None
-    value = n.plate.thickness / n.water.support
+    value = n.plate.thinnest / n.water.support
     faced = n.joint is not None and scene.coupling.loads == "pressure"  # over faces that feel their own side alone
     verdict = below(value, SUPPORT_WARN, SUPPORT_WARN if faced else SUPPORT_REFUSE)
-    reason = f"support {n.water.support:.3g} m, plate {n.plate.thickness:.3g} m"
+    reason = f"support {n.water.support:.3g} m, plate {n.plate.thinnest:.3g} m"
     if verdict == "ok":
         return Finding("thickness/support", value, verdict, reason)
     finer = n.water.dx * value

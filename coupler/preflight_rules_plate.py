@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+from coupler.preflight_error_solid import LEAST_PERIODS, PERIODS, not_bounded, periods
 from coupler.preflight_finding import Finding, above, below
 from coupler.preflight_numbers import Numbers
+from coupler.preflight_plate import of_a_body
 from shared.schema import Scene
 from shared.schema_solid import PARTICLE_MODELS
 from shared.solid_step import LARGEST_UPDATED_COURANT, LATTICE_LIMIT, LATTICE_SHARE, UPDATED_COURANT
@@ -15,7 +17,7 @@ POISSON_WARN = 0.49
 
 
 def slenderness(scene: Scene, n: Numbers) -> Finding | None:
-    """Length over thickness of the thinnest body, for the model beam."""
+    """Length over thickness of the plate, for the model beam."""
     if n.plate is None or n.plate.model in ("rigid", "spring"):
         return None
     value = n.plate.length / n.plate.thickness
@@ -41,10 +43,10 @@ def across(scene: Scene, n: Numbers) -> Finding | None:
     """Particles across the thinnest body."""
     if n.plate is None or n.plate.model not in PARTICLE_MODELS:
         return None
-    verdict = below(n.plate.across, ACROSS_WARN, ACROSS_REFUSE)
-    way_out = "" if verdict == "ok" else f"solid.dx = {n.plate.thickness / 6:.3g} gives 6; or solid.model = beam"
+    verdict = below(n.plate.fewest, ACROSS_WARN, ACROSS_REFUSE)
+    way_out = "" if verdict == "ok" else f"solid.dx = {n.plate.thinnest / 6:.3g} gives 6; or solid.model = beam"
     reason = "bending is resolved" if verdict == "ok" else "too few to resolve bending"
-    return Finding("particles across", n.plate.across, verdict, reason, way_out)
+    return Finding("particles across", n.plate.fewest, verdict, reason, way_out)
 
 
 def courant_solid(scene: Scene, n: Numbers) -> Finding | None:
@@ -82,3 +84,16 @@ def printed_gradient(scene: Scene, n: Numbers) -> Finding | None:
         return Finding("gradient order", order, "ok", f"gradient {scene.solid.gradient}")
     reason = "the printed gradient is 40 % soft at ten across and breaks under tension"
     return Finding("gradient order", order, "warn", reason, "solid.gradient = linear or quadratic")
+
+
+def periods_seen(scene: Scene, n: Numbers) -> Finding | None:
+    """Periods of the plate's swing until the end, where the goal is a period of it."""
+    if n.plate is None or scene.goal is None or scene.goal.statistic not in PERIODS or not of_a_body(scene):
+        return None
+    value = periods(scene, n)
+    if value is None:
+        return None
+    if value >= LEAST_PERIODS:
+        return Finding("periods seen", value, "ok", f"two or more show a {scene.goal.statistic}")
+    reason, _, way_out = not_bounded(scene, n).partition("; ")
+    return Finding("periods seen", value, "refuse", reason, way_out)

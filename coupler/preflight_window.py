@@ -25,7 +25,7 @@ def expected_plan(scene: Scene, n: Numbers) -> Plan | None:
     fluid = {"density": w.density, "support": w.support, "h": w.h}
     if _carries_sound(scene):
         fluid["sound_speed"] = w.sound_speed
-    solid = {"density": p.density, "thickness": p.thickness, "wave_speed": p.wave_speed}
+    solid = {"density": p.density, "thickness": p.thinnest, "wave_speed": p.wave_speed}
     sides = (
         Description("fluid", "fluid", w.model, min(w.step, scene.end_time), w.dx, *_NOWHERE, fluid),
         Description("solid", "structure", p.model, p.step, scene.solid.dx, *_NOWHERE, solid),

@@ -74,6 +74,7 @@ TRIPPED = (
     ("falls_out", "dam_break", ["walls.tank.polyline=[[0.0,0.45],[0.0,0.0],[0.1,0.0]]"], "nothing below", "warn"),
     ("start_up", "still_tank", ["fluid.initial_pressure=zero"], "start-up", "warn"),
     ("poisson", "udl_beam", ["solid.poisson_ratio=0.495"], "Poisson's ratio", "warn"),
+    ("periods_seen", "oscillating_plate", ["goal.statistic=period", "end_time=0.4"], "periods seen", "refuse"),
     ("filled_area", "submerged_block", ["solid.bodies=[{ name='block', circle={ centre=[0.2, 0.16], radius=0.02 } }]",
                                         "solid.dx=0.014"], "filled area", "warn"),
     ("steps", "udl_beam", ["end_time=1e5"], "steps", "warn"),

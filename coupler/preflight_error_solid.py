@@ -1,0 +1,162 @@
+"""Bounds of the structure's part of the error in the scene's goal, relative, and what its swing adds.
+
+Each is measured on cases with a known answer (cases/results/structures.md), with a margin of 1.2 to 2.5 over the worst
+found; n particles across, t/L thickness over length, ν Poisson's ratio, dx spacing.
+
+    beam               0.75 (t/L)² + 0.22 ν t/L per clamp, which holds its section's width too + 1.5 × stretch along
+                       its axis; 0.04 % of what happens in time, for it steps a hundred times in a period
+                                                         plate_step_load, oscillating_plate, udl_beam
+    total-lagrangian   (0.08 + 0.15 ν)/n                                udl_beam at 6 … 20 across, ν 0 … 0.47
+    ctvf               (0.15 + 0.15 ν)/n quadratic, 5/n² linear, 4.5/n printed gradient
+    both               at least (0.6 + 1.3 ν) dx/L per clamp, which gives way within about a particle: what counts in a
+                       body that is not slender          udl_beam, hydrostatic_plate, a dam of gel as wide as high
+
+A period or a time of a peak feels half the error of a stiffness; less than two periods show none. A beam that starts in
+a higher mode, r times as fast, is r times as far from slender and takes r times as few steps in a period.
+
+Over a time T, a swing from rest about the answer leaves in a mean up to 2/(ωT) of its amplitude, 3/(ωT) of a strain
+energy. A value at the end feels the phase φ that a wrong frequency has gathered: a swing from 0 to twice its
+middle is off by 2 φ of its value or less in seven phases of ten; past 1 rad it may be anything. Slopes and decays are
+not bounded.
+"""
+
+from __future__ import annotations
+
+import math
+
+from coupler.preflight_finding import PARTICLE_FLUIDS, STEADY
+from coupler.preflight_numbers import Numbers
+from coupler.preflight_plate import Plate, creep, goals_probe, of_a_body, swing_left
+from shared.schema import Scene
+from shared.schema_solid import RIGID_MODELS
+from shared.sides import probe_rows
+from shared.solid_step import BEAM_STEPS, FIRST_ROOT
+
+BEAM_SHAPE, BEAM_CLAMP, BEAM_STRETCH, BEAM_STEPPED = 0.75, 0.22, 1.5, 4e-4
+LAGRANGIAN = (0.08, 0.15)
+UPDATED = (0.15, 0.15)
+CLAMPED = (0.6, 1.3)
+LINEAR, PRINTED = 5.0, 4.5
+KEPT = {"total-lagrangian": 1e-12, "spring": 1e-12, "rigid": 1e-12, "beam": 1e-3, "ctvf": 1e-2}
+"""What a model loses of a momentum, or of a stress carried round, that physics keeps."""
+TIMES = ("period", "t_min", "t_max")
+PEAKS = ("min", "max")
+PERIODS = ("period", "wave-period")
+UNBOUNDED = ("slope", "decay", "wave-decay")
+LEAST_PERIODS = 2.0
+FIRST_MODE = 1.05  # its swing over the deflection, and a thin beam's frequency over that with shear: up to 1.03 each
+QUADRATIC = {"strain-energy": 1.5}
+LOST = 1.0  # rad
+SWING, PHASE = "start-up swing in the mean", "phase of the swing at the end"
+UNKNOWN = math.inf
+
+
+def of_structure(scene: Scene, n: Numbers) -> float:
+    """The structure's part; infinite where nothing bounds it."""
+    plate, solid, what = n.plate, scene.solid, scene.goal.statistic
+    if not_bounded(scene, n):
+        return UNKNOWN
+    if what == "change" and not _of_displacement(scene):
+        return KEPT[plate.model]
+    if plate.model in RIGID_MODELS:
+        return 0.0
+    nu = solid.poisson_ratio
+    if plate.model == "beam":
+        slender = plate.thickness / plate.length
+        bound = BEAM_SHAPE * overtone(scene, plate) * slender**2 + BEAM_CLAMP * plate.clamps * nu * slender
+        bound += BEAM_STRETCH * plate.stretch
+    elif plate.model == "ctvf" and solid.gradient != "quadratic":
+        bound = LINEAR / plate.across**2 if solid.gradient == "linear" else PRINTED / plate.across
+    else:
+        base, slope = LAGRANGIAN if plate.model == "total-lagrangian" else UPDATED
+        bound = max((base + slope * nu) / plate.across, _clamped(scene, n))
+    return bound * (0.5 if what in TIMES else 1.0) + (_stepped(scene, plate) if what in (*TIMES, *PEAKS) else 0.0)
+
+
+def not_bounded(scene: Scene, n: Numbers) -> str:
+    """Why nothing bounds the structure's part; empty where something does."""
+    what = scene.goal.statistic
+    if not of_a_body(scene):
+        return ""
+    if what in UNBOUNDED and n.plate.model not in RIGID_MODELS:
+        return f"no bound is known of a structure's {what}; a mean, peak or period has one"
+    if what in PERIODS and (seen := periods(scene, n)) is not None and seen < LEAST_PERIODS:
+        longer = scene.end_time * LEAST_PERIODS / seen
+        return f"{seen:.2g} periods until the end show no {what}; end_time = {longer:.2g} or more"
+    return ""
+
+
+def periods(scene: Scene, n: Numbers) -> float | None:
+    """Periods of the plate's swing until the end; None where they are not known."""
+    held = n.plate.clamps > 0 or n.plate.model == "spring"  # a free body moves as a whole first
+    frequency = _frequency(n) if held else None
+    return None if frequency is None else scene.end_time * frequency * overtone(scene, n.plate)
+
+
+def _frequency(n: Numbers) -> float | None:
+    """Of the plate's first swing [1/s], with the water that moves along."""
+    wet = None if n.joint is None or n.water.model == "still" else n.joint.wet_frequency
+    return n.plate.frequency if wet is None else wet
+
+
+def overtone(scene: Scene, plate: Plate) -> float:
+    """Frequency of the bending mode that the plate starts in over that of the first; 1 where it starts in none."""
+    started = next(body.velocity_mode for body in scene.solid.bodies if body.name == plate.name)
+    if started is None or started.mode == 1:
+        return 1.0
+    return ((started.mode - 0.5) * math.pi / FIRST_ROOT[1]) ** 2  # cos βL cosh βL = −1, to a thousandth
+
+
+def swing_in_a_mean(scene: Scene, n: Numbers) -> float:
+    """What a swing from rest about the answer, or a creep to it, leaves in a mean."""
+    plate = n.plate
+    if plate is None or plate.frequency is None or scene.goal.statistic not in STEADY or _damped_by_water(n):
+        return 0.0
+    measured, omega = scene.end_time - scene.output.average_from, 2.0 * math.pi * _frequency(n)
+    left = swing_left(scene, plate)
+    if plate.damping >= 2.0 * omega:  # a creep counts as far as it dies
+        return left / max(creep(plate) * measured, 1.0)
+    probe = goals_probe(scene)
+    ends = 1.0 + math.exp(-creep(plate) * measured)  # of the time: both count until damping takes the later one away
+    much = FIRST_MODE * QUADRATIC.get(probe.quantity if probe is not None else "", 1.0)
+    return left * min(much * ends / (omega * measured), 1.0)
+
+
+def swing_at_the_end(scene: Scene, n: Numbers, error: float) -> float:
+    """What a value at the end is off by the phase of a swing that damping has left, where a stiffness is by `error`."""
+    plate, what = n.plate, scene.goal.statistic
+    late = what == "final" or (what == "change" and _of_displacement(scene))
+    if plate is None or not late or not of_a_body(scene) or _damped_by_water(n):
+        return 0.0
+    seen = periods(scene, n)
+    if seen is None:
+        return 0.0
+    # What swings about nothing is as wrong, whatever is left of it.
+    left = 1.0 if plate.deflection == 0.0 else math.exp(-creep(plate) * scene.end_time)
+    phase = 2.0 * math.pi * seen * (0.5 * error + _stepped(scene, plate))
+    return UNKNOWN if phase > LOST and left > 0.5 else 2.0 * left * min(phase, LOST)
+
+
+def _damped_by_water(n: Numbers) -> bool:
+    """Water of particles takes the swing away itself."""
+    return n.water is not None and n.water.model in PARTICLE_FLUIDS
+
+
+def _of_displacement(scene: Scene) -> bool:
+    probe = goals_probe(scene)
+    return probe is not None and probe.quantity in ("displacement-x", "displacement-y")
+
+
+def _stepped(scene: Scene, plate: Plate) -> float:
+    """Relative error of a swing by its steps: two in place of one leave a quarter of it."""
+    if plate.model != "beam":
+        return 0.0
+    step = min(plate.step, scene.end_time / probe_rows(scene))
+    return BEAM_STEPPED * (BEAM_STEPS * step * plate.frequency * overtone(scene, plate)) ** 2
+
+
+def _clamped(scene: Scene, n: Numbers) -> float:
+    """Error of a deflection by clamps that give way within about a particle."""
+    solid, plate = scene.solid, n.plate
+    clamps = sum(clamp.body == plate.name for clamp in solid.clamps)
+    return (CLAMPED[0] + CLAMPED[1] * solid.poisson_ratio) * clamps * solid.dx / plate.length

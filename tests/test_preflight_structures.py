@@ -1,0 +1,138 @@
+"""Pre-flight of structures that swing: which body counts, what a swing leaves in a goal, what damping may change."""
+
+from __future__ import annotations
+
+import math
+
+import pytest
+
+from coupler.preflight_error import error_bound
+from coupler.preflight_ladder import ladder, smallest
+from coupler.preflight_numbers import scene_numbers
+from coupler.preflight_rules import findings
+from shared.scene import load_scene
+from shared.solo import run_alone
+from solid_solver.models import make_model
+
+RINGING = ("solid.model=beam", "solid.damping=0")
+STRAIN_ENERGY = 'probes=[{ name = "mid_y", quantity = "strain-energy", body = "beam" }]'
+DYNAMIC = ("goal.statistic=final", "references=[]", "solid.model=beam")
+TWO_BODIES = """\
+schema = 1
+title = "A stocky bracket beside a thin strip"
+end_time = 0.3
+[solid]
+model = "total-lagrangian"
+dx = 5e-3
+density = 1200.0
+youngs_modulus = 1e8
+poisson_ratio = 0.3
+damping = 200.0
+bodies = [{ name = "strip", rectangle = [0.0, 0.2, 0.6, 0.22] },
+  { name = "bracket", rectangle = [0.0, 0.0, 0.2, 0.06] }]
+clamps = [{ body = "strip", face = "left" }, { body = "bracket", face = "left" }]
+loads = [{ body = "bracket", face = "top", traction = [0.0, -2000.0] }]
+[[probes]]
+name = "tip_y"
+quantity = "displacement-y"
+body = "bracket"
+point = [0.2, 0.03]
+[goal]
+probe = "tip_y"
+statistic = "mean"
+error = 0.02
+[output]
+average_from = 0.15
+"""
+BETWEEN_LEVELS = """\
+schema = 1
+title = "One baffle between two levels"
+end_time = 4.0
+gravity = [0.0, -9.81]
+[fluid]
+model = "still"
+dx = 0.01
+bodies = [{ name = "a", rectangle = [0.0, 0.0, 0.4, 0.5] }, { name = "b", rectangle = [0.44, 0.0, 0.8, LEVEL] }]
+[[walls]]
+name = "tank"
+polyline = [[0.0, 0.8], [0.0, 0.0], [0.8, 0.0], [0.8, 0.8]]
+[solid]
+model = "beam"
+dx = 0.01
+density = 1200.0
+youngs_modulus = 1e7
+poisson_ratio = 0.3
+bodies = [{ name = "baffle", rectangle = [0.4, 0.0, 0.44, 0.6] }]
+clamps = [{ body = "baffle", face = "bottom" }]
+"""
+
+
+def bound(case, *sets):
+    scene = load_scene(case, sets)
+    return error_bound(scene, scene_numbers(scene))
+
+
+def text_scene(folder, text):
+    path = folder / "scene.toml"
+    path.write_text(text, encoding="utf-8")
+    return load_scene(path)
+
+
+@pytest.mark.parametrize(("sets", "damped"), [((), True), ((STRAIN_ENERGY, "references=[]"), False)])
+def test_only_means_linear_in_the_displacement_are_damped(sets, damped):
+    """Damped, a ringing beam's mean strain energy would fall to two thirds."""
+    rungs = ladder(load_scene("udl_beam", [*RINGING, *sets, "goal.error=0.004"]))
+    assert any("damping" in text for rung in rungs for text in rung.sets) == damped
+
+
+@pytest.mark.parametrize("periods", [1.5, 4.5])
+def test_a_swing_leaves_at_most_its_bound_in_a_mean(tmp_path, periods):
+    """Half a period too much, at the worst place: the mean is 2/(ωT) too large."""
+    period = 1.0 / 30.2552
+    times = (f"output.average_from={0.75 * period}", f"end_time={(0.75 + periods) * period}")
+    scene = load_scene("udl_beam", [*RINGING, *times, "output.frames=1"])
+    record = run_alone(scene, "swing", "solid", make_model, tmp_path / "run", 1, True)
+    error = abs(record.result["references"][0]["error"])
+    assert error <= error_bound(scene, scene_numbers(scene)) <= 1.2 * error
+
+
+def test_a_value_at_the_end_feels_the_phase():
+    """Of an undamped beam it is soon not known at all; of a damped one as well as a deflection."""
+    early, late = (bound("udl_beam_dynamic", *DYNAMIC, f"end_time={t}") for t in (0.0335, 0.335))
+    assert late == pytest.approx(10.0 * early, rel=0.2)
+    assert math.isinf(bound("udl_beam_dynamic", *DYNAMIC, "end_time=6.7"))
+    assert bound("udl_beam_dynamic", *DYNAMIC, "solid.damping=190") == pytest.approx(0.0027, rel=0.01)
+
+
+@pytest.mark.parametrize("statistic", ["slope", "decay", "wave-decay"])
+def test_slopes_and_decays_of_a_structure_have_no_bound(statistic):
+    rungs = ladder(load_scene("udl_beam_dynamic", [f"goal.statistic={statistic}"]))
+    assert smallest(rungs) is None
+    assert all(f"no bound is known of a structure's {statistic}" in r.reason for r in rungs if r.standing != "cannot")
+
+
+@pytest.mark.parametrize(("mode", "refused"), [(1, True), (2, False)])
+def test_a_period_needs_two_of_them(mode, refused):
+    """The second mode swings 6.27 times as fast."""
+    sets = ["goal.statistic=period", "end_time=0.2", f"solid.bodies[0].velocity_mode.mode={mode}"]
+    scene = load_scene("oscillating_plate", sets)
+    numbers = scene_numbers(scene)
+    found = {f.rule: f for f in findings(scene, numbers)}["periods seen"]
+    assert (found.verdict == "refuse") == math.isinf(error_bound(scene, numbers)) == refused
+    assert ("end_time = " in found.way_out) == refused
+
+
+def test_the_body_that_the_goal_asks_about_is_judged(tmp_path):
+    """The strip swings for seconds; the bracket has come to rest. What a spacing must resolve is the thinner one."""
+    scene = text_scene(tmp_path, TWO_BODIES)
+    plate = scene_numbers(scene).plate
+    assert (plate.name, plate.thickness, plate.thinnest) == ("bracket", 0.06, pytest.approx(0.02))
+    assert 0.0172 <= error_bound(scene, scene_numbers(scene)) <= 0.03
+    assert {f.rule: f.value for f in findings(scene, scene_numbers(scene))}["particles across"] == pytest.approx(4.0)
+
+
+@pytest.mark.parametrize(("level", "pressure"), [(0.5, 0.0), (0.3, 0.2 * 9810.0)])
+def test_a_plate_between_two_waters_bears_the_difference_of_their_levels(tmp_path, level, pressure):
+    plate = scene_numbers(text_scene(tmp_path, BETWEEN_LEVELS.replace("LEVEL", str(level)))).plate
+    assert plate.wet == 2
+    assert plate.deflection == pytest.approx(pressure * 0.6**4 / (8.0 * plate.stiffness), rel=1e-9, abs=1e-12)
