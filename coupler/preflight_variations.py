@@ -8,10 +8,11 @@ from collections.abc import Iterator
 
 from coupler.preflight_finding import PARTICLE_FLUIDS, STEADY
 from coupler.preflight_numbers import Numbers, scene_numbers
-from coupler.preflight_plate import swing_left
+from coupler.preflight_plate import goals_probe, swing_left
 from coupler.preflight_rules_joint import SUPPORT_WARN
 from coupler.preflight_rules_plate import ACROSS_WARN
 from coupler.preflight_rules_water import WATER_ACROSS_WARN
+from shared.scene_models import FORCES, REACTIONS
 from shared.schema import Scene
 from shared.schema_solid import PARTICLE_MODELS, RIGID_MODELS
 
@@ -21,6 +22,8 @@ _ROWS_OF_A_MEAN = 4  # of a structure that has come to rest
 _AT_REST = 1e-3  # of a swing, that is rest
 _STIFF = 0.03  # deflection over depth: below, water that follows the plate adds so much to its load, window by window
 _DAMPING_RATIO = 0.7  # of the first mode: brings a static answer to rest within a period
+_LINEAR = ("displacement-x", "displacement-y", "stress-xx", "stress-yy", "stress-xy", *REACTIONS, *FORCES, "pressure")
+"""Quantities whose mean over a swing is that of the structure at rest; of energies, speeds and sizes it is another."""
 
 
 def with_models(scene: Scene, fluid: str | None, solid: str | None) -> Varied:
@@ -91,16 +94,18 @@ def fits(n: Numbers) -> bool:
     if n.water is not None and n.water.model in PARTICLE_FLUIDS:
         if n.water.width / n.water.dx < WATER_ACROSS_WARN:
             return False
-        if n.plate is not None and n.plate.thickness / n.water.support < SUPPORT_WARN:
+        if n.plate is not None and n.plate.thinnest / n.water.support < SUPPORT_WARN:
             return False
     least = ACROSS_WARN if n.plate is not None and n.plate.model in PARTICLE_MODELS else 2.0
-    return n.plate is None or n.plate.across >= least * (1.0 - 1e-9)
+    return n.plate is None or n.plate.fewest >= least * (1.0 - 1e-9)
 
 
 def dampings(scene: Scene, n: Numbers) -> Iterator[Varied]:
     """The scene as it is, and damped to rest where the goal is a mean that only the start-up swing disturbs."""
     yield scene, ()
-    plate = n.plate
+    plate, probe = n.plate, goals_probe(scene)
+    if probe is None or probe.quantity not in _LINEAR:
+        return
     alone = n.water is None or n.water.model not in PARTICLE_FLUIDS
     if plate is None or plate.frequency is None or not alone or scene.goal.statistic not in STEADY:
         return
