@@ -189,10 +189,11 @@ def stability(
     ] = None,
     quiet: Quiet = False,
 ) -> None:
-    """Draw a stability map from runs, with theory's boundary over it."""
+    """Draw a stability map from runs, with theory's boundary over it; what has been run is not run again."""
     given = load_map(map_file)
-    found = find_boundaries(given, (lambda text: None) if quiet else lambda text: print(text, flush=True))
-    paths = write_map(given, found, out or Path("runs") / f"map-{case_name(map_file)}")
+    folder = out or Path("runs") / f"map-{case_name(map_file)}"
+    found = find_boundaries(given, folder, (lambda text: None) if quiet else lambda text: print(text, flush=True))
+    paths = write_map(given, found, folder)
     if not quiet:
         for path in paths:
             print(path)

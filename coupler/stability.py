@@ -12,10 +12,14 @@ from pathlib import Path
 
 from coupler.preflight_numbers import scene_numbers
 from coupler.preflight_rules import findings
+from coupler.stability_check import check_map
+from coupler.stability_kept import Remembered, remembered
 from coupler.stability_map import Method, StabilityMap
 from coupler.stability_picture import draw_map
-from coupler.stability_runs import boundary, cell_scene, measure, with_reference
+from coupler.stability_runs import FAILED, NOTHING, boundary, cell_scene, measure, with_reference
 from coupler.stability_theory import THEORIES
+from shared.contract import BadInput
+from shared.results import output_folder
 from shared.schema import Scene
 
 _RULE_TOLERANCE = 1e-3  # to which the y is sought where pre-flight begins to warn
@@ -42,18 +46,21 @@ class Boundary:
         return None if self.found is None or self.theory is None else self.found / self.theory
 
 
-def find_boundaries(stability: StabilityMap, say: Callable[[str], None]) -> list[Boundary]:
-    """All boundaries of a map, by runs; says each, and at last how well they agree with theory."""
+def find_boundaries(stability: StabilityMap, folder: Path, say: Callable[[str], None]) -> list[Boundary]:
+    """All boundaries of a map, by runs; says each, and at last how well they agree with theory. What has been run is
+    kept in `folder`, and not run again. Raises BadInput, where it can before the first run."""
+    check_map(stability)
+    given = remembered(output_folder(folder) / "runs.jsonl")
     found = []
     begun = time.process_time()
     for method in stability.methods:
         for x in stability.x.values:
-            one = _boundary(stability, method, x)
+            one = _boundary(stability, method, x, given)
             where = "none" if one.found is None else f"{one.found:.4g}"
             beside = "" if one.theory is None else f", theory {one.theory:.4g}"
             say(f"{method.name}, {stability.x.name} = {x:.4g}: {where}{beside} ({len(one.tried)} runs)")
             found.append(one)
-    say(f"{sum(len(b.tried) for b in found)} runs, {time.process_time() - begun:.0f} core-seconds")
+    say(f"{sum(len(b.tried) for b in found)} runs, {time.process_time() - begun:.0f} core-seconds this time")
     for line in agreement(stability, found):
         say(line)
     return found
@@ -80,14 +87,21 @@ def _off(b: Boundary) -> float:
     return math.inf if b.ratio is None else abs(b.ratio - 1.0)
 
 
-def _boundary(stability: StabilityMap, method: Method, x: float) -> Boundary:
+def _boundary(stability: StabilityMap, method: Method, x: float, given: Remembered) -> Boundary:
     cell = partial(cell_scene, stability, method, x)
-    criterion = with_reference(stability.criterion, cell)
+    criterion = with_reference(stability.criterion, cell, given)
     tried: dict[float, float] = {}
 
     def bad(y: float) -> bool:
         if y not in tried:
-            tried[y] = measure(cell(y), criterion)
+            value = given(measure, cell(y), criterion)
+            if math.isnan(value) and y == stability.y.range[0]:
+                raise BadInput(
+                    f"criterion.measure = {criterion.measure!r}: nothing to measure in a run that should be good "
+                    f"({method.name}, {stability.x.name} = {x:g}, {stability.y.name} = {y:g}): "
+                    f"{NOTHING[criterion.measure]}."
+                )
+            tried[y] = FAILED if math.isnan(value) else value
         return not tried[y] <= criterion.limit
 
     found = boundary(bad, *stability.y.range, stability.y.tolerance)
@@ -116,7 +130,7 @@ def _warned(stability: StabilityMap, cell: Callable[[float], Scene]) -> float | 
 
 def write_map(stability: StabilityMap, found: list[Boundary], folder: Path) -> list[Path]:
     """Write map.csv (boundaries), cells.csv (every run) and map.png into `folder`; their paths."""
-    folder.mkdir(parents=True, exist_ok=True)
+    folder = output_folder(folder)
     paths = [folder / name for name in ("map.csv", "cells.csv", "map.png")]
     x, y = stability.x.name, stability.y.name
     with paths[0].open("w", newline="") as file:

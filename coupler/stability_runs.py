@@ -17,6 +17,7 @@ from coupler.inprocess import inprocess_sides, side_model
 from coupler.mapping import build_mapping
 from coupler.run import start
 from coupler.schemes import probes
+from coupler.stability_kept import Remembered
 from coupler.stability_map import Criterion, Method, StabilityMap
 from coupler.window import make_plan, mass_ratio
 from shared.clock import Clock
@@ -61,7 +62,8 @@ def cell_scene(stability: StabilityMap, method: Method, x: float, y: float) -> S
 
 
 def measure(scene: Scene, criterion: Criterion) -> float:
-    """The criterion's measure of a run of `scene`; infinite for a run that ended by a diagnosis."""
+    """The criterion's measure of a run of `scene`; infinite for a run that ended by a diagnosis, not a number where
+    there was nothing to measure."""
     try:
         watched = _watch(scene)
     except ShearwaterError:
@@ -69,18 +71,24 @@ def measure(scene: Scene, criterion: Criterion) -> float:
     return MEASURES[criterion.measure](watched, criterion, scene)
 
 
-def with_reference(criterion: Criterion, cell: Callable[[float], Scene]) -> Criterion:
+def with_reference(criterion: Criterion, cell: Callable[[float], Scene], given: Remembered) -> Criterion:
     """The criterion with the value that its reference's run gives, where it has one; `cell`: the scene of a y."""
     if criterion.reference is None:
         return criterion
     scene = cell(criterion.reference)
-    value = _statistic(_watch(scene), criterion, scene)
-    if value is None:
+    value = given(reference_value, scene, criterion)
+    if not value:
         raise BadInput(
-            f"criterion.reference = {criterion.reference:g}: the run of {scene.title!r} ends at {scene.end_time:g} s, "
-            f"before its average begins at output.average_from = {scene.output.average_from:g} s: make the run longer."
+            f"criterion.reference = {criterion.reference:g}: in the run of {scene.title!r} there the "
+            f"{criterion.statistic} of {criterion.probe} is {'zero' if value == 0.0 else 'not to be had'}, and nothing "
+            "can be measured against it: make the run longer, or take another probe or statistic."
         )
     return criterion.model_copy(update={"value": value, "reference": None})
+
+
+def reference_value(scene: Scene, criterion: Criterion) -> float | None:
+    """The statistic that other runs are to have."""
+    return _statistic(_watch(scene), criterion, scene)
 
 
 def _watch(scene: Scene) -> Watched:
@@ -144,20 +152,26 @@ def growth_of(values: Sequence[float]) -> float:
     """Growth per row of the amplitude in `values`, which go as its square: of the last quarter over the one before.
 
     Where it has come to its end, and the last three quarters hold more than the first value, the mean until then if
-    that is more.
+    that is more; a swing that starts from nothing has no such mean. Not a number of too few values, or negative ones.
     """
     quarter = len(values) // 4
+    if quarter == 0 or np.min(values) < 0.0:
+        return math.nan
     before, after = np.max(values[2 * quarter : 3 * quarter]), np.max(values[3 * quarter : 4 * quarter])
     largest = np.max(values[quarter:])
     if not math.isfinite(largest):
         return FAILED
-    rate = 0.5 * math.log(after / before) / quarter if after > _ROUNDING * np.max(values) else DIED_OUT
-    return max(rate, 0.5 * math.log(largest / values[0]) / len(values)) if largest > values[0] else rate
+    if after <= _ROUNDING * np.max(values):
+        rate = DIED_OUT
+    else:
+        rate = 0.5 * math.log(after / before) / quarter if before > 0.0 else FAILED
+    return max(rate, 0.5 * math.log(largest / values[0]) / len(values)) if largest > values[0] > 0.0 else rate
 
 
 def rise_of(values: np.ndarray) -> float:
-    """Largest rise above an earlier value, over the largest size."""
-    return float(np.max(values - np.minimum.accumulate(values)) / np.max(np.abs(values)))
+    """Largest rise above an earlier value, over the largest size; not a number where all are zero."""
+    size = np.max(np.abs(values))
+    return float(np.max(values - np.minimum.accumulate(values)) / size) if size != 0.0 else math.nan
 
 
 def _growth(watched: Watched, criterion: Criterion, scene: Scene) -> float:
@@ -174,13 +188,21 @@ def _rise(watched: Watched, criterion: Criterion, scene: Scene) -> float:
 
 def _deviation(watched: Watched, criterion: Criterion, scene: Scene) -> float:
     found = _statistic(watched, criterion, scene)
-    return FAILED if found is None else abs(relative_error(found, criterion.value))
+    return math.nan if found is None else abs(relative_error(found, criterion.value))
 
 
 def _statistic(watched: Watched, criterion: Criterion, scene: Scene) -> float | None:
     between = (scene.output.average_from, watched.times[-1]) if criterion.statistic == "mean" else None
     return statistic(criterion.statistic, *watched.history(criterion.probe), between)
 
+
+NOTHING = {
+    "growth": "it takes four rows of probes or more, and a probe that is never negative: make the run longer, "
+    "output.probe_interval shorter, or take a probe that goes as the square of a swing, like kinetic-energy",
+    "rise": "the probe is zero throughout, or has rows without a value: take another one",
+    "deviation": "the probe has no such statistic in this run: make it longer, or take another statistic",
+}
+"""Why a measure is not a number, and the way out."""
 
 MEASURES: dict[str, Callable[[Watched, Criterion, Scene], float]] = {
     "growth": _growth,

@@ -18,7 +18,7 @@ from shared.scene_sets import apply_sets
 from shared.scene_warnings import scene_warnings
 from shared.schema import Scene
 
-__all__ = ["dump_scene", "load_scene", "scene_warnings", "shipped_cases"]
+__all__ = ["dump_scene", "load_scene", "read_toml", "scene_warnings", "shipped_cases"]
 
 _BARE_KEY = re.compile(r"[A-Za-z0-9_-]+")
 
@@ -29,7 +29,7 @@ def load_scene(case: str | Path, sets: Sequence[str] = ()) -> Scene:
     Curves of references come out as absolute paths. Raises BadInput with all mistakes, one per line.
     """
     path = _find(case)
-    data = _read(path)
+    data = read_toml(path)
     mistakes = apply_sets(data, sets)
     _find_curves(data, path.parent)
     scene, breaches = validate(data)
@@ -80,7 +80,8 @@ def _find(case: str | Path) -> Path:
     raise BadInput(f"{case}: no such file or shipped case{hint}\n  shipped cases: {', '.join(shipped)}")
 
 
-def _read(path: Path) -> dict[str, Any]:
+def read_toml(path: Path) -> dict[str, Any]:
+    """What a TOML file holds. Raises BadInput."""
     try:
         return tomllib.loads(path.read_text(encoding="utf-8-sig"))
     except tomllib.TOMLDecodeError as error:

@@ -23,22 +23,22 @@ def reference_file() -> Path:
     return Path(str(files("cases"))) / "SCENE.md"
 
 
-def render(text: str) -> str:
-    """`text` of the file with everything below the marker renewed."""
-    by_hand = text.split(MARKER)[0]
-    return by_hand + MARKER + "\n\n" + "\n".join(_sections()) + "\n"
+def render(text: str, marker: str = MARKER, top: type[Table] = Scene) -> str:
+    """`text` of the file with everything below the marker renewed; `top`: the table that is the whole file."""
+    by_hand = text.split(marker)[0]
+    return by_hand + marker + "\n\n" + "\n".join(_sections(top)) + "\n"
 
 
-def _sections() -> Iterator[str]:
+def _sections(top: type[Table]) -> Iterator[str]:
     seen: set[type[Table]] = set()
-    waiting: list[tuple[str, type[Table]]] = [("Top of the file", Scene)]
+    waiting: list[tuple[str, type[Table]]] = [("Top of the file", top)]
     while waiting:
         title, table = waiting.pop(0)
         if table in seen:
             continue
         seen.add(table)
-        yield from _section(title, table)
-        prefix = "" if table is Scene else title.strip("`[]") + "."
+        yield from _section(title, table, table is top)
+        prefix = "" if table is top else title.strip("`[]") + "."
         keys: dict[type[Table], list[str]] = {}
         for key, field in keys_of(table).items():
             inner = table_in(field.annotation)
@@ -54,10 +54,10 @@ def _title(prefix: str, key: str, field: Any, of_shape: bool) -> str:
     return f"`[[{prefix}{key}]]`" if is_list(field.annotation) else f"`[{prefix}{key}]`"
 
 
-def _section(title: str, table: type[Table]) -> Iterator[str]:
+def _section(title: str, table: type[Table], whole: bool) -> Iterator[str]:
     yield f"## {title}"
     yield ""
-    if table is not Scene and table.__doc__ and table.__doc__ != Table.__doc__:
+    if not whole and table.__doc__ and table.__doc__ != Table.__doc__:
         yield " ".join(table.__doc__.split())
         yield ""
     yield "| key | unit | default | values | meaning |"

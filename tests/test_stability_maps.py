@@ -12,6 +12,7 @@ from coupler.preflight_numbers import scene_numbers
 from coupler.preflight_rules import findings
 from coupler.preflight_rules_joint import ALPHA_REFUSE
 from coupler.stability import Boundary, agreement, find_boundaries, write_map
+from coupler.stability_check import check_map
 from coupler.stability_lattice import largest_courant, wave_numbers
 from coupler.stability_map import load_map, shipped_maps
 from coupler.stability_runs import DIED_OUT, MEASURES, Watched, boundary, cell_scene, growth_of, measure, rise_of
@@ -125,6 +126,7 @@ def test_rise_is_above_an_earlier_value_and_not_over_the_start():
 def test_shipped_maps_hold_valid_cells(name):
     given = load_map(name)
     ends = given.y.range
+    check_map(given)
     for method in given.methods:
         cells = [cell_scene(given, method, x, y) for x in (given.x.values[0], given.x.values[-1]) for y in ends]
         theory = given.theory_of(method)
@@ -191,7 +193,7 @@ def test_relaxation_flips_where_theory_says():
 def test_a_map_from_runs_lies_on_theory(tmp_path):
     given = load_map("lagged_column")
     small = given.model_copy(update={"x": given.x.model_copy(update={"values": [0.4, 1.0]})})
-    found = find_boundaries(small, print)
+    found = find_boundaries(small, tmp_path, print)
     paths = write_map(small, found, tmp_path)
     assert all(abs(b.ratio - 1.0) < 0.05 for b in found)
     assert agreement(small, found)[0].endswith(f"within 5 %: met, {2 * len(given.methods)} boundaries")
