@@ -44,7 +44,7 @@ def write_report(run_dir: Path, out: Path | None = None) -> Path:
             f"({type(error).__name__}: {error}); run its case.toml again, with --out in a new directory"
         ) from error
     try:
-        out.write_text(page, encoding="utf-8")
+        out.write_text(page, encoding="utf-8", errors="xmlcharrefreplace")
     except OSError as error:
         raise ShearwaterError(f"{out} cannot be written ({error}); choose another place with --out FILE") from error
     return out

@@ -256,7 +256,7 @@ def outputs(scene: Scene, clock: Clock) -> dict[str, int]:
 def _logging_to(log_dir: Path) -> Iterator[None]:
     """The coupler's log in `log_dir/coupler.txt`."""
     log_dir.mkdir(exist_ok=True)
-    handler = logging.FileHandler(log_dir / "coupler.txt")
+    handler = logging.FileHandler(log_dir / "coupler.txt", encoding="utf-8", errors="backslashreplace")
     handler.setFormatter(logging.Formatter("%(asctime)s %(levelname)s %(message)s"))
     log.addHandler(handler)
     log.setLevel(logging.INFO)

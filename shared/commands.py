@@ -36,6 +36,8 @@ def new_app(about: str) -> typer.Typer:
 
 def run_app(app: typer.Typer) -> None:
     """Run the command line and exit: 0 finished, 2 bad input, 3 solver failed, 4 participant lost, 130 interrupted."""
+    for stream in (sys.stdout, sys.stderr):  # a terminal, or a file's name, may not know every character
+        stream.reconfigure(errors="backslashreplace")
     logging.getLogger("shearwater").addHandler(logging.NullHandler())
     on_stop_signals(STOP.ask)
     try:

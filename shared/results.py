@@ -159,7 +159,8 @@ def write_result(run_dir: Path, result: Mapping[str, Any]) -> Path:
     path = Path(run_dir) / "result.json"
     unfinished = path.with_suffix(".json.tmp")
     try:
-        with unfinished.open("w", encoding="utf-8") as file:
+        # A file name that is not text has parts that UTF-8 has not; JSON can escape them.
+        with unfinished.open("w", encoding="utf-8", errors="backslashreplace") as file:
             json.dump(plain(result), file, indent=1, allow_nan=False, ensure_ascii=False)
             file.write("\n")
             file.flush()

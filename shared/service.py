@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import logging
+import os
 import traceback
 from collections.abc import Callable
 
@@ -154,10 +155,18 @@ def _row(probes: dict[str, float] | None) -> dict:
 def _plain(verb: str) -> Callable[[Participant, Message], Answer]:
     def answer(participant: Participant, request: Message) -> Answer:
         check_fields(request.fields, {}, request.verb)
-        getattr(participant, verb)(*([request.info["path"]] if verb in ("save", "load") else []))
+        getattr(participant, verb)(*([_path(request)] if verb in ("save", "load") else []))
         return {}, {}
 
     return answer
+
+
+def _path(request: Message) -> str:
+    """The file that is meant, whatever names files have here."""
+    path = request.info.get("path")
+    if not isinstance(path, str):
+        raise BadMessage(f"{request.verb} carries path = {path!r}; text is needed")
+    return os.fsdecode(path.encode(errors="surrogateescape"))
 
 
 def _finish(participant: Participant, request: Message) -> Answer:

@@ -76,6 +76,7 @@ from shared.contract import CONTRACT_VERSION, ShearwaterError
 SIZE_LIMIT = 256 * 2**20
 """Largest message accepted, in bytes."""
 
+_NAMES = "surrogateescape"  # files may have names that are not UTF-8; their bytes travel as they are
 _DTYPES = {"<f8": np.dtype("<f8"), "<i8": np.dtype("<i8")}
 _PARTS = {"dtype", "shape", "data"}
 _KEYS = {
@@ -120,7 +121,7 @@ def encode(message: Message) -> bytes:
     packed = dict(zip(_KEYS, _parts_of(message), strict=True))
     packed["info"] = dict(message.info)
     packed["fields"] = {name: _pack_array(name, array) for name, array in message.fields.items()}
-    return msgpack.packb(packed)
+    return msgpack.packb(packed, unicode_errors=_NAMES)
 
 
 def _pack_array(name: str, array: np.ndarray) -> dict[str, Any]:
@@ -136,7 +137,7 @@ def decode(data: bytes) -> Message:
     if len(data) > SIZE_LIMIT:
         raise BadMessage(f"message of {len(data)} bytes is larger than the limit of {SIZE_LIMIT} bytes")
     try:
-        packed = msgpack.unpackb(data)
+        packed = msgpack.unpackb(data, unicode_errors=_NAMES)
     except Exception as error:  # msgpack raises many kinds for malformed input
         raise BadMessage(f"message is not valid msgpack: {error}") from None
     if not isinstance(packed, dict):

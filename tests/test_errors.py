@@ -10,6 +10,7 @@ import os
 import resource
 import subprocess
 import sys
+from importlib.resources import files
 
 import pytest
 
@@ -17,6 +18,8 @@ import coupler.cli
 import fluid_solver.cli
 import shared.commands
 import solid_solver.cli
+from coupler.report import write_report
+from shared.results import read_result
 from tests.scenes import tiny_coupled
 
 MAINS = {"coupler": coupler.cli.main, "fluid_solver": fluid_solver.cli.main, "solid_solver": solid_solver.cli.main}
@@ -232,3 +235,23 @@ def test_interrupted_while_loading(name):
     """Ctrl-C, a request to end or a closed terminal in the second or two in which the libraries load."""
     done = subprocess.run([sys.executable, "-c", LOADING.format(name)], capture_output=True, text=True, timeout=60)
     assert (done.returncode, done.stdout, done.stderr) == (130, "", "")
+
+
+def test_a_terminal_that_knows_ascii_alone():
+    environment = os.environ | {"LC_ALL": "POSIX", "PYTHONIOENCODING": "ascii"}
+    done = subprocess.run(
+        [sys.executable, "-m", "coupler", "check", "piston"], capture_output=True, text=True, env=environment
+    )
+    assert done.returncode == 0, done.stderr
+    assert "\\u" in done.stdout
+
+
+def test_a_scene_whose_name_is_not_utf_8(command, tmp_path):
+    scene = tmp_path / os.fsdecode(b"sz\xfc.toml")
+    scene.write_text((files("cases") / "piston.toml").read_text())
+    sets = ("end_time=0.01", "references=[]", "output.checkpoint_every=1e-9")
+    code, _ = command("coupler", scene, "--link", "inprocess", *(w for text in sets for w in ("--set", text)))
+    assert code == 0
+    folder = tmp_path / "runs" / scene.stem
+    assert read_result(folder)["case"] == scene.stem
+    assert write_report(folder).exists()

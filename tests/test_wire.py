@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import re
 
 import msgpack
@@ -36,6 +37,17 @@ def test_round_trip_keeps_every_bit():
     back = decode(encode(GOOD))
     assert (back.verb, back.window, back.iteration, back.sequence, back.t0, back.t1) == ("advance", 3, 1, 7, 0.5, 0.75)
     assert back.fields["force"].tobytes() == GOOD.fields["force"].tobytes()
+
+
+def test_a_files_name_travels_whatever_its_bytes():
+    path = os.fsdecode(b"sz\xfc\xc3\xbc.h5")
+    assert decode(encode(Message("r", "coupler", "save", 0, info={"path": path}))).info["path"] == path
+
+
+@pytest.mark.parametrize("verb", ["save", "load"])
+def test_a_path_is_needed(toy_spring, verb):
+    refusal = decode(ready_service(toy_spring()).handle(encode(Message("r", "coupler", verb, 0))))
+    assert refusal.info["text"] == f"{verb} carries path = None; text is needed"
 
 
 @given(hnp.arrays(np.float64, hnp.array_shapes(max_dims=2, max_side=5), elements=st.floats(-1e300, 1e300)))
