@@ -248,18 +248,6 @@ def _next(channel: zenoh.Subscriber) -> bytes | None:
     return None if woken else sample.payload.to_bytes()
 
 
-def end_with(parent: int | None) -> None:
-    """End this process at once, whatever it is doing, when process `parent`, which started it, has ended."""
-
-    def watch() -> None:
-        while os.getppid() == parent:
-            time.sleep(_HEARTBEAT_PERIOD_S)
-        os._exit(ParticipantLost.exit_code)
-
-    if parent is not None:
-        threading.Thread(target=watch, daemon=True).start()
-
-
 def serve(
     endpoint: str,
     run: str,

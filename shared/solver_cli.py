@@ -22,7 +22,7 @@ from shared.commands import (
     warn,
 )
 from shared.contract import BadInput
-from shared.link_zenoh import end_with, serve
+from shared.link_zenoh import serve
 from shared.participant import Participant, own_faces
 from shared.resume import unfinished
 from shared.scene import load_scene
@@ -30,7 +30,10 @@ from shared.service import Service
 from shared.sides import own_probes
 from shared.slices import set_slice
 from shared.solo import Factory, replay_alone, resume_alone, run_alone
+from shared.stopping import end_with
 from shared.warm import take_a_tiny_step
+
+Parent = Annotated[int | None, typer.Option(help="End when this process ends.")]
 
 
 def solver_app(side: str, factory: Factory) -> typer.Typer:
@@ -68,8 +71,13 @@ def solver_app(side: str, factory: Factory) -> typer.Typer:
         conclude(resume_alone(cut, side, factory, threads, quiet), quiet)
 
     @app.command("warm", hidden=True)
-    def warm(case: Case, sweeps: Annotated[bool, typer.Option(help="With a model's sweeps alone.")] = False) -> None:
+    def warm(
+        case: Case,
+        sweeps: Annotated[bool, typer.Option(help="With a model's sweeps alone.")] = False,
+        parent: Parent = None,
+    ) -> None:
         """Fill the cache of compiled code for a scene."""
+        end_with(parent)
         scene = own_probes(load_scene(case), side)
         model = factory(scene, True, 1)
         if sweeps:
@@ -84,7 +92,7 @@ def solver_app(side: str, factory: Factory) -> typer.Typer:
         run: Annotated[str, typer.Option(help="The run's identity.")],
         out: Annotated[Path | None, typer.Option(help="File for the frames (VTKHDF).")] = None,
         threads: Annotated[int, typer.Option(help="Threads.", min=1)] = default_threads(),
-        parent: Annotated[int | None, typer.Option(help="End when this process ends.")] = None,
+        parent: Parent = None,
     ) -> None:
         """Be the participant of a coupled run."""
         end_with(parent)

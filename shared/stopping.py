@@ -1,12 +1,18 @@
 """A run that is asked to stop (Ctrl-C, a request to end, a closed terminal) does so between two windows, with a
-checkpoint to go on from; asked again, or while it marches through no windows, it stops at once."""
+checkpoint to go on from; asked again, or while it marches through no windows, it stops at once. A process that
+serves another ends with it."""
 
 from __future__ import annotations
 
 import contextlib
 import os
+import threading
+import time
 from collections.abc import Iterator
 
+from shared.contract import ParticipantLost
+
+_LOOK_EVERY_S = 1.0
 _ONCE_MORE = b"\nstopping after this window, with a checkpoint; ask again to stop at once\n"
 
 
@@ -42,3 +48,15 @@ def stopping_between_windows() -> Iterator[Stop]:
         yield STOP
     finally:
         STOP.waits = False
+
+
+def end_with(parent: int | None) -> None:
+    """End this process at once, whatever it is doing, when process `parent`, which started it, has ended."""
+
+    def watch() -> None:
+        while os.getppid() == parent:
+            time.sleep(_LOOK_EVERY_S)
+        os._exit(ParticipantLost.exit_code)
+
+    if parent is not None:
+        threading.Thread(target=watch, daemon=True).start()

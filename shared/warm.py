@@ -53,7 +53,7 @@ def fill_cache(packages: Mapping[str, str], case: Path, scene: Scene) -> None:
                 parts[f"compiles the {side} side's sweeps"] = [package, "warm", str(case), "--sweeps"]
     children = {
         name: subprocess.Popen(
-            [sys.executable, "-m", *part],
+            [sys.executable, "-m", *part, "--parent", str(os.getpid())],
             stdin=subprocess.DEVNULL,
             stdout=subprocess.DEVNULL,
             stderr=subprocess.DEVNULL,

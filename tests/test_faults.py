@@ -111,6 +111,19 @@ def test_killed_solver(running, victim):
     assert all_gone(solvers.values(), within=10.0)
 
 
+def test_nobody_compiles_for_a_run_that_was_killed(tmp_path):
+    command = [sys.executable, "-m", "coupler", "run", str(tiny_coupled(tmp_path)), "--out", str(tmp_path / "run")]
+    empty = os.environ | {"NUMBA_CACHE_DIR": str(tmp_path / "cache")}
+    process, deadline, compiling = subprocess.Popen(command, env=empty), time.monotonic() + START_WITHIN_S, {}
+    while len(compiling) < 2 and time.monotonic() < deadline:
+        time.sleep(0.05)
+        compiling = children(process.pid)
+    process.kill()
+    process.wait()
+    assert len(compiling) == 2
+    assert all_gone(compiling.values(), within=15.0)
+
+
 def test_interrupted_run(running):
     process, solvers, out = running
     process.send_signal(signal.SIGINT)
