@@ -9,29 +9,41 @@ worst found; dx spacing of the fluid. The structure's part, and what its swing a
                        sideways too (share of the first mode, coupler/preflight_numbers.py)
     water at rest      dx/H (ctvf), 3 dx/H (wcsph), a tenth with h = 2 dx  still_tank, soft_plate, hydrostatic_plate
                        times buoyancy over what it leaves of the weight of a plate under water
-    a body afloat      a waterline within 0.4 dx of the body's thickness besides                  floating rafts
-    a body that swings in water of particles 1.5 dx/d (wcsph), 0.5 dx/d (ctvf), d its thickness if that is less
-    flow               where water falls and splashes 5 dx/d, d its least extent at t = 0, of its front 1.4 dx/d; 0.5
-                       dx/d (ctvf), 1.5 dx/d (wcsph) where it is held and circulates     dam_break_plate, taylor_green,
-                       a flap in a splash, by spacings from 3.3 to 0.6 mm: 3.2 to 4.4, scattered by 1
-    wave's period      0.25 % and what was found: 7.33 x^1.7 (ctvf), 17.2 x^1.9 (wcsph) too long, x = dx/wavelength, and
-                       0.8 % too short at any x, for a lattice under pressure bears shear: the two cancel near x = 0.02;
-                       8 % more with less than 40 neighbours, whose lattice bears more            standing_wave
-    waves' heights     as flow that is held, and with less than 40 neighbours 20 % more, for such a lattice bears waves
-                       of its spacing's height; at any dx                                          a wavemaker
+    its pressure at z  besides, over z: the level of settled water, g (H² − z²)/(2 c0²) lower, 0.05 dx more with less
+                       than h = 2 dx, and 0.09 R (1 − z/R)² of a sensor of reach R > z
+                                                                       at 2.5 to 40 cm in half a metre, dx 1 to 4 cm
+    its motion         no bound: it has none
+    a body afloat      a waterline within 0.4 dx besides: over its way to equilibrium where the goal is a displacement
+                       along gravity, else over its thickness                                     floating rafts
+    a body that swings in water of particles 1.5 dx/d (wcsph), 0.5 dx/d (ctvf), d its thickness if that is less; the
+                       depth where it spans the water, which then moves as it does                a sprung floor
+    water that flows   coupler/preflight_error_flow.py
 """
 
 from __future__ import annotations
 
 import math
 
-from coupler.preflight_error_solid import PHASE, SWING, UNKNOWN, of_structure, swing_at_the_end, swing_in_a_mean
+import numpy as np
+
+from coupler.preflight_afloat import to_equilibrium
+from coupler.preflight_error_flow import MOTIONS, SMOOTH, flow_error
+from coupler.preflight_error_solid import (
+    PHASE,
+    SWING,
+    TIMES,
+    UNKNOWN,
+    of_structure,
+    swing_at_the_end,
+    swing_in_a_mean,
+)
 from coupler.preflight_finding import PARTICLE_FLUIDS, STEADY
 from coupler.preflight_numbers import Numbers
-from coupler.preflight_plate import Plate
+from coupler.preflight_plate import Plate, goals_probe, of_a_body
 from coupler.preflight_rules_joint import HELMHOLTZ_REFUSE
-from coupler.preflight_rules_water import LOOSE
+from coupler.preflight_shapes import outline
 from shared.schema import Scene
+from shared.schema_probes import Probe
 from shared.schema_solid import RIGID_MODELS
 
 Parts = dict[str, float]
@@ -40,12 +52,9 @@ STILL = 1e-3
 COLUMN = 0.3
 REST = {"ctvf": 1.0, "wcsph": 3.0}
 CROWD, CROWDED = 2.0, 0.1  # from this h/dx on a lattice of particles bears hardly any shear, and rest is as much better
-SMOOTH = {"ctvf": 0.5, "wcsph": 1.5}
-WAVE = {"ctvf": (7.33, 1.7), "wcsph": (17.2, 1.9)}
-WAVE_LATTICE, WAVE_MARGIN = 0.008, (1.2, 0.0025)
-LATTICE, WAVES = 0.08, 0.2  # of a period and of a height, where a lattice bears waves
+SAG = 0.05  # of dx: what a lattice that bears shear takes off a level
+SENSOR = 0.09  # of a sensor's reach by (1 − depth/reach)²: what it feels too much where it reaches out of the water
 AFLOAT, WATERLINE = 0.03, 0.4  # weight of the water that a body's motion moves, over its springs' force
-FLOW, FRONT = 5.0, 1.4
 
 
 def error_parts(scene: Scene, n: Numbers) -> Parts:
@@ -79,24 +88,55 @@ def _fluid(scene: Scene, n: Numbers) -> float:
         if not water.rests or floats or (closed and scene.fluid.column.far_end == "open"):
             return UNKNOWN
         return STILL if steady or not bends else COLUMN
-    if water.rests:
-        if not steady and _radiates(n):
-            return UNKNOWN
-        if not steady and n.plate is not None and n.plate.model == "spring":
-            return SMOOTH[water.model] * water.dx / min(water.width, n.plate.thickness)
-        crowded = CROWDED if scene.fluid.h_over_dx >= CROWD else 1.0
-        waterline = WATERLINE * water.dx / n.plate.thickness if floats else 0.0
-        return REST[water.model] * water.dx / water.height * crowded * _left_of_weight(scene, n) + waterline
-    if scene.goal.statistic == "wave-period":
-        return _period(water.model, water.dx / _wavelength(scene, n)) + (LATTICE if _stiff(n) else 0.0)
-    front = any(probe.name == scene.goal.probe and probe.quantity == "front-x" for probe in scene.probes)
-    flow = (SMOOTH[water.model] if water.held else FRONT if front else FLOW) * water.dx / water.width
-    return flow + (WAVES if water.waves and not steady and _stiff(n) else 0.0)
+    return _at_rest(scene, n, floats) if water.rests else flow_error(scene, n)
+
+
+def _at_rest(scene: Scene, n: Numbers, floats: bool) -> float:
+    """Of water of particles that rests, or moves along with a structure alone."""
+    water, probe, steady = n.water, goals_probe(scene), scene.goal.statistic in STEADY
+    if probe is not None and probe.quantity in MOTIONS and not of_a_body(scene):
+        return UNKNOWN
+    if not steady and _radiates(n):
+        return UNKNOWN
+    if not steady and n.plate is not None and n.plate.model == "spring":
+        smooth = SMOOTH[water.model] * water.dx
+        if n.joint.closes:  # it carries all the water along, and none flows round it
+            return smooth / water.height * (0.5 if scene.goal.statistic in TIMES else 1.0)
+        return smooth / min(water.width, n.plate.thickness)
+    crowded = CROWDED if scene.fluid.h_over_dx >= CROWD else 1.0
+    error = REST[water.model] * water.dx / water.height * crowded * _left_of_weight(scene, n)
+    if probe is not None and probe.quantity == "pressure":
+        error += _near_surface(scene, n, probe)
+    return error + (_waterline(scene, n, probe) if floats else 0.0)
+
+
+def _near_surface(scene: Scene, n: Numbers, probe: Probe) -> float:
+    """Of a pressure at a depth: the level of settled water is g H²/(2 c0²) lower, less the deeper; and a sensor that
+    reaches out of the water feels less of its gradient there."""
+    water, g = n.water, math.hypot(*scene.gravity)
+    corners = np.concatenate([outline(body).reshape(-1, 2) for body in scene.fluid.bodies])
+    depth = float(np.asarray(probe.point) @ scene.gravity - np.min(corners @ scene.gravity)) / g if g else math.inf
+    if depth <= 0.0:
+        return UNKNOWN
+    level = g * max(water.height**2 - depth**2, 0.0) / (2.0 * water.sound_speed**2)
+    level += SAG * water.dx if scene.fluid.h_over_dx < CROWD else 0.0
+    reach = 0.5 * probe.extent if probe.extent is not None else water.support
+    return (level + SENSOR * reach * max(1.0 - depth / reach, 0.0) ** 2) / depth
+
+
+def _waterline(scene: Scene, n: Numbers, probe: Probe | None) -> float:
+    """Of a body afloat: a waterline within a share of dx, of the way to its equilibrium where that is the goal, else
+    of its thickness."""
+    upright = dict(zip(("displacement-x", "displacement-y"), scene.gravity, strict=True))
+    if probe is not None and upright.get(probe.quantity):
+        way = to_equilibrium(scene, n.plate.name)
+        return WATERLINE * n.water.dx / way if 0.0 < way < math.inf else UNKNOWN
+    return WATERLINE * n.water.dx / n.plate.thickness
 
 
 def _left_of_weight(scene: Scene, n: Numbers) -> float:
     """Buoyancy over what it leaves of the weight of a plate under water: so many times its error counts in bending."""
-    probe = next((one for one in scene.probes if one.name == scene.goal.probe), None)
+    probe = goals_probe(scene)
     if n.plate is None or n.plate.wet < 2 or not scene.solid.gravity or scene.solid.loads:
         return 1.0
     if probe is not None and probe.quantity in ("force-x", "force-y"):
@@ -112,23 +152,6 @@ def afloat(scene: Scene, plate: Plate) -> bool:
         return False
     along = sum(k * (part / g) ** 2 for k, part in zip(scene.solid.spring.stiffness, scene.gravity, strict=False))
     return along * AFLOAT < scene.fluid.density * g * plate.length
-
-
-def _period(model: str, x: float) -> float:
-    """Of a wave with `x` = dx/wavelength."""
-    factor, power = WAVE[model]
-    times, more = WAVE_MARGIN
-    return times * abs(factor * x**power - WAVE_LATTICE) + more
-
-
-def _wavelength(scene: Scene, n: Numbers) -> float:
-    """The shortest wave's length [m] that the water starts with; without one its least extent."""
-    fields = (body.velocity_field for body in scene.fluid.bodies)
-    return min((field.wavelength for field in fields if field is not None), default=n.water.width)
-
-
-def _stiff(n: Numbers) -> bool:
-    return n.water.support < LOOSE * n.water.dx
 
 
 def _radiates(n: Numbers) -> bool:

@@ -12,9 +12,11 @@ from typing import Literal, get_args
 
 from coupler.preflight_cost import Cost, predicted_cost
 from coupler.preflight_error import Parts, afloat, error_parts
+from coupler.preflight_error_flow import MOTIONS
 from coupler.preflight_error_solid import PHASE, not_bounded
 from coupler.preflight_finding import PARTICLE_FLUIDS, STEADY
 from coupler.preflight_numbers import Numbers, scene_numbers
+from coupler.preflight_plate import goals_probe
 from coupler.preflight_rules_joint import helmholtz
 from coupler.preflight_variations import coupled, dampings, fits, has_particles, refined, with_models
 from coupler.preflight_water import measure_water
@@ -147,7 +149,11 @@ def _unable(scene: Scene, n: Numbers, worst: str) -> str:
     if n.water is not None and worst.startswith("fluid"):
         if n.water.model in PARTICLE_FLUIDS:
             found = helmholtz(scene, n)
-            return f"the low sound speed cannot resolve a {what}: {found.reason}"
+            if found is not None and found.verdict == "refuse":
+                return f"the low sound speed cannot resolve a {what}: {found.reason}"
+            if n.water.rests and goals_probe(scene).quantity in MOTIONS:
+                return "the water rests: of a motion that is nothing there is no relative error"
+            return "what is left of the value is too little for a bound of its relative error"
         if n.plate is not None and afloat(scene, n.plate):
             return f"the body floats: it moves the water's level, which {n.water.model} leaves where it is"
         if not any(scene.gravity) and n.water.model == "still":

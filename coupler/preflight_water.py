@@ -17,6 +17,7 @@ from shared.wall_chains import lengths_of, segments_of
 
 MACH_AUTO = 0.1  # largest expected speed over the sound speed "auto"
 _BACKED = 0.75  # of dx: a wall or body this close behind the water's face holds it
+_MOMENTS = 50  # at which it is looked whether something is in the way of water that falls
 UPWARD = 0.7  # cosine against gravity beyond which a face of the water is its free surface
 
 
@@ -24,7 +25,8 @@ UPWARD = 0.7  # cosine against gravity beyond which a face of the water is its f
 class Water:
     """The fluid. `held`: on all sides but its surface something stands behind it, so that it does not fall; `rests`: it
     is held, starts at rest, and nothing drives it or drifts in it; `boxed`: at rest, and something stands behind its
-    surface too; `waves`: it is held, has a surface and weight, and does not rest."""
+    surface too; `waves`: it is held, has a surface and weight, and does not rest; `pulled`: its weight drives it along
+    a period; `free`: it falls as a whole, and nothing is in its way until the end."""
 
     model: str
     density: float
@@ -42,6 +44,8 @@ class Water:
     rests: bool
     boxed: bool
     waves: bool
+    pulled: bool
+    free: bool
     bottomless: float  # share of its lower faces with nothing below
 
 
@@ -55,7 +59,8 @@ def measure_water(scene: Scene) -> Water:
     h = fluid.h_over_dx * fluid.dx
     support = kernel_named(fluid.kernel).support * h
     courant = COURANT.get(fluid.model, 1.0) if fluid.courant == "auto" else fluid.courant
-    still = start == 0.0 and driven_speed(scene) == 0.0 and not drifts(scene)
+    pulled = bool(np.any(np.asarray(scene.gravity)[_periods(scene)]))
+    still = start == 0.0 and driven_speed(scene) == 0.0 and not drifts(scene) and not pulled
     open_sides, open_top = unbacked(scene)
     if fluid.model in COURANT and not g:
         open_sides = open_sides or open_top  # what presses on it drives it away
@@ -64,7 +69,8 @@ def measure_water(scene: Scene) -> Water:
     if fluid.model in COURANT:
         step = fluid_step(courant, h, sound + start, fluid.viscosity, g)
     else:  # nothing moves in `still`; a wave in `column` must not come back within the step that sends it
-        echo = 2.0 * height / sound if fluid.model == "column" and sound > 0.0 else scene.end_time
+        sounds = fluid.model == "column" and fluid.column.compressible and sound > 0.0
+        echo = 2.0 * height / sound if sounds else scene.end_time
         step = min(scene.end_time, echo)
     return Water(
         model=fluid.model,
@@ -83,6 +89,8 @@ def measure_water(scene: Scene) -> Water:
         rests=still and not open_sides,
         boxed=still and not open_sides and not open_top,
         waves=not still and not open_sides and open_top and g > 0.0,
+        pulled=pulled,
+        free=open_sides and open_top and _falls_free(scene),
         bottomless=bottomless(scene),
     )
 
@@ -121,11 +129,29 @@ def unbacked(scene: Scene) -> tuple[bool, bool]:
     return bool(np.any(free & ~surface)), bool(np.any(free & surface))
 
 
+def _periods(scene: Scene) -> np.ndarray:
+    """Which of both directions is periodic."""
+    return np.array([bounds is not None for bounds in (scene.fluid.periodic.x, scene.fluid.periodic.y)])
+
+
+def _falls_free(scene: Scene) -> bool:
+    """Whether the water, falling as a whole, meets neither wall nor structure until the end."""
+    velocities = {body.velocity for body in scene.fluid.bodies}
+    if len(velocities) > 1 or any(body.velocity_field for body in scene.fluid.bodies) or _periods(scene).any():
+        return False
+    reach = kernel_named(scene.fluid.kernel).support * scene.fluid.h_over_dx * scene.fluid.dx
+    middle, velocity = edge_samples(scene.fluid.bodies, scene.fluid.dx)[0], np.asarray(scene.fluid.bodies[0].velocity)
+    for time in np.linspace(0.0, scene.end_time, _MOMENTS):
+        way = velocity * time + 0.5 * np.asarray(scene.gravity) * time**2
+        if any(distance_to(segments, middle + way).min() < reach for segments in _faces_behind(scene)):
+            return False
+    return True
+
+
 def bottomless(scene: Scene) -> float:
     """Share of the water's lower faces with neither wall nor structure nor water anywhere below them."""
     g = np.asarray(scene.gravity, dtype=float)
-    period = np.array([bounds is not None for bounds in (scene.fluid.periodic.x, scene.fluid.periodic.y)])
-    if not g.any() or g[period].any():
+    if not g.any() or g[_periods(scene)].any():
         return 0.0
     up = -g / np.hypot(*g)
     frame = np.stack([[up[1], -up[0]], up], axis=1)  # across gravity, and against it

@@ -1,0 +1,48 @@
+"""How far a body afloat has to go to its equilibrium, from the scene alone."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from coupler.preflight_shapes import area, outline
+from shared.schema import Scene
+
+
+def to_equilibrium(scene: Scene, name: str) -> float:
+    """Way [m] along gravity of the body `name` from where it starts to where buoyancy, weight, loads of its mass and
+    springs balance, by the width of its waterline at the start; the water's level moves along."""
+    g = math.hypot(*scene.gravity)
+    up = -np.asarray(scene.gravity) / g
+    frame = np.stack([[up[1], -up[0]], up], axis=1)
+    body = next(one for one in scene.solid.bodies if one.name == name)
+    water = np.concatenate([outline(one).reshape(-1, 2) for one in scene.fluid.bodies]) @ frame
+    level, sides = float(water[:, 1].max()), outline(body) @ frame
+    wide, tank = _width(sides, level), float(np.ptp(water[:, 0]))
+    rho, own = scene.fluid.density, [load for load in scene.solid.loads if load.body == name and load.acceleration]
+    push = float(sum(np.dot(load.acceleration, up) for load in own))
+    weight = scene.solid.density * area(body) * ((g if scene.solid.gravity else 0.0) - push)
+    held = sum(k * part**2 for k, part in zip(scene.solid.spring.stiffness, up, strict=False))
+    stiffness = rho * g * wide / max(1.0 - wide / tank, 1e-9) + held
+    return float(abs(rho * g * _below(sides, level) - weight) / stiffness) if stiffness > 0.0 else math.inf
+
+
+def _below(sides: np.ndarray, level: float) -> float:
+    """Area [m²] below a level of what the segments (k, 2, 2), directed with the inside on the left, go round."""
+    total = 0.0
+    for (x0, y0), (x1, y1) in sides:
+        cuts = [0.0, 1.0]
+        if (y0 - level) * (y1 - level) < 0.0:
+            cuts.insert(1, (level - y0) / (y1 - y0))
+        x, y = np.interp(cuts, [0, 1], [x0, x1]), np.minimum(np.interp(cuts, [0, 1], [y0, y1]), level) - level
+        total -= float(np.sum(0.5 * (y[1:] + y[:-1]) * np.diff(x)))
+    return total
+
+
+def _width(sides: np.ndarray, level: float) -> float:
+    """Extent [m] of the segments at a level."""
+    x = [
+        x0 + (level - y0) / (y1 - y0) * (x1 - x0) for (x0, y0), (x1, y1) in sides if min(y0, y1) < level <= max(y0, y1)
+    ]
+    return max(x) - min(x) if x else 0.0

@@ -1,0 +1,115 @@
+"""Bounds of the error in water of particles that flows, measured and with margins as those of preflight_error.py.
+
+flow               where water falls and splashes 5 dx/d, d its least extent at t = 0, of its front 1.4 dx/d; 0.5
+                   dx/d (ctvf), 1.5 dx/d (wcsph) where it is held and circulates     dam_break_plate, taylor_green,
+                   a flap in a splash, by spacings from 3.3 to 0.6 mm: 3.2 to 4.4, scattered by 1
+wave's period      0.25 % and what was found: 7.33 x^1.7 (ctvf), 17.2 x^1.9 (wcsph) too long, x = dx/wavelength, and
+                   0.8 % too short at any x, for a lattice under pressure bears shear: the two cancel near x = 0.02;
+                   8 % more with less than 40 neighbours, whose lattice bears more            standing_wave
+waves' heights     as flow that is held, and with less than 40 neighbours 20 % more, for such a lattice bears waves
+                   of its spacing's height; at any dx                                          a wavemaker
+viscous stresses   3.6 (h/λ)², λ the shear wave's length, twice a channel's width; 0.08 (1.3 dx/h)^5 for few
+                   neighbours in disorder, at any dx; artificial over own viscosity           taylor_green, Poiseuille
+                   alone where its weight drives the water along a period, beside the flow's where it is held
+decay of vortices  the same; 50 % more where nothing shifts the particles (wcsph). What is left at the end errs by
+                   e^(N times that) − 1 when it has fallen by e^−N                            taylor_green
+water let go       of its speed 0.6 g H/c0 (wcsph), 0.08 g H/c0 (ctvf) over the speed at the end: what its pressure
+                   gives it; twice that of its energy                                         a slab of water
+"""
+
+from __future__ import annotations
+
+import math
+
+from coupler.preflight_finding import STEADY
+from coupler.preflight_numbers import Numbers
+from coupler.preflight_plate import goals_probe
+from coupler.preflight_rules_water import LOOSE
+from shared.schema import Scene
+
+SMOOTH = {"ctvf": 0.5, "wcsph": 1.5}
+WAVE = {"ctvf": (7.33, 1.7), "wcsph": (17.2, 1.9)}
+WAVE_LATTICE, WAVE_MARGIN = 0.008, (1.2, 0.0025)
+LATTICE, WAVES = 0.08, 0.2  # of a period and of a height, where a lattice bears waves
+FLOW, FRONT = 5.0, 1.4
+VISCOUS = 3.6  # of (h/wavelength)²: the kernel smooths the stresses of a shear wave
+FEW, FEW_POWER = 0.08, 5.0  # with h = 1.3 dx: stresses of a neighbourhood in disorder, whatever dx is
+CLUSTERED = 0.5  # of a decay, where vortices stretch particles that nothing shifts
+FALL = {"ctvf": 0.08, "wcsph": 0.6}  # of the speed that the pressure of water at rest gives it as it is let go
+MOTIONS = ("max-speed", "velocity-x", "velocity-y", "kinetic-energy")
+"""Quantities that are nothing in water at rest."""
+
+
+def flow_error(scene: Scene, n: Numbers) -> float:
+    """Bound of the goal's relative error."""
+    water, goal = n.water, scene.goal
+    probe = goals_probe(scene)
+    quantity = probe.quantity if probe is not None else None
+    if goal.statistic == "wave-period":
+        return _period(water.model, water.dx / _wavelength(scene, n)) + (LATTICE if _stiff(n) else 0.0)
+    if water.free and quantity in MOTIONS and goal.statistic in ("final", "max"):
+        return _let_go(scene, n) * (2.0 if quantity == "kinetic-energy" else 1.0)
+    if not water.held:
+        return (FRONT if quantity == "front-x" else FLOW) * water.dx / water.width
+    if _vortices(scene) and scene.fluid.viscosity > 0.0 and (quantity in MOTIONS or goal.statistic == "decay"):
+        return _decay(scene, n, quantity)
+    if water.pulled and scene.fluid.viscosity > 0.0:  # a channel's profile is half a wave
+        return _viscous(scene, n, 2.0 * water.width)
+    least = min(water.width, _wavelength(scene, n))
+    if n.plate is not None and n.plate.model == "spring":
+        least = min(least, n.plate.thickness)
+    flow = SMOOTH[water.model] * water.dx / least
+    if scene.fluid.viscosity > 0.0:
+        flow += VISCOUS * (water.h / (2.0 * least)) ** 2
+    return flow + (WAVES if water.waves and goal.statistic not in STEADY and _stiff(n) else 0.0)
+
+
+def _vortices(scene: Scene) -> bool:
+    fields = (body.velocity_field for body in scene.fluid.bodies)
+    return any(field is not None and field.kind == "taylor-green" for field in fields)
+
+
+def _decay(scene: Scene, n: Numbers, quantity: str) -> float:
+    """Of vortices that wear out at the rate 2 ν k² of their speed, twice that of their energy: the rate's error, which
+    counts as often in what is left as it has fallen by e."""
+    wavelength = _wavelength(scene, n)
+    rate = _viscous(scene, n, wavelength) + (CLUSTERED if n.water.model == "wcsph" else 0.0)
+    falls = 2.0 * scene.fluid.viscosity * (2.0 * math.pi / wavelength) ** 2 * scene.end_time
+    falls *= 2.0 if quantity == "kinetic-energy" else 1.0
+    if scene.goal.statistic in ("final", "min"):
+        return math.expm1(rate * falls) if rate * falls < 1.0 else math.inf
+    return rate * (min(1.0, 0.5 * falls) if scene.goal.statistic in STEADY else 1.0)
+
+
+def _viscous(scene: Scene, n: Numbers, wavelength: float) -> float:
+    """Of the viscous stresses of a shear wave [m]: smoothed, of few neighbours, and artificial ones beside them."""
+    water, own = n.water, scene.fluid.viscosity
+    few = FEW * (1.3 / scene.fluid.h_over_dx) ** FEW_POWER
+    artificial = scene.fluid.alpha * water.h * water.sound_speed / 8.0
+    return VISCOUS * (water.h / wavelength) ** 2 + few + artificial / own
+
+
+def _let_go(scene: Scene, n: Numbers) -> float:
+    """Of the speed at the end of water that falls freely: what its pressure at rest, ρ g H, gives it in a wave of
+    sound."""
+    g, body = math.hypot(*scene.gravity), scene.fluid.bodies[0]
+    reached = math.hypot(*(v + a * scene.end_time for v, a in zip(body.velocity, scene.gravity, strict=True)))
+    pressed = scene.fluid.initial_pressure == "hydrostatic"
+    return FALL[n.water.model] * g * n.water.height / (n.water.sound_speed * reached) if pressed else 1e-3
+
+
+def _period(model: str, x: float) -> float:
+    """Of a wave with `x` = dx/wavelength."""
+    factor, power = WAVE[model]
+    times, more = WAVE_MARGIN
+    return times * abs(factor * x**power - WAVE_LATTICE) + more
+
+
+def _wavelength(scene: Scene, n: Numbers) -> float:
+    """The shortest wave's length [m] that the water starts with; without one its least extent."""
+    fields = (body.velocity_field for body in scene.fluid.bodies)
+    return min((field.wavelength for field in fields if field is not None), default=n.water.width)
+
+
+def _stiff(n: Numbers) -> bool:
+    return n.water.support < LOOSE * n.water.dx
