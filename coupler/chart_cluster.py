@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import asyncio
 import contextlib
 import json
+import logging
 import time
 from collections.abc import Callable, Iterator, Sequence
 from pathlib import Path
@@ -35,21 +37,37 @@ def connected(address: str) -> Iterator[Client]:
     """The cluster's client; what it has sent and is not yet done is given up when the context ends."""
     try:
         from distributed import Client
+        from distributed.utils import silence_logging_cmgr
     except ImportError:
         raise BadInput(
             "--scheduler needs Dask's scheduler, which is not installed: pip install 'shearwater-fsi[dask]' here and "
             "wherever scheduler and workers run"
         ) from None
-    try:
-        client = Client(address, timeout=ANSWER_WITHIN_S, set_as_default=False)
-    except (OSError, ValueError, TypeError) as error:
-        raise BadInput(
-            f"--scheduler {address}: no Dask scheduler answered there within {ANSWER_WITHIN_S:g} s "
-            f"({str(error).splitlines()[0] if str(error) else type(error).__name__}); start one with `dask scheduler` "
-            "and workers with `dask worker ADDRESS`, and give the address that it prints, like tcp://HOST:8786"
-        ) from error
-    with client:
-        yield client
+    with silence_logging_cmgr(logging.CRITICAL + 1):  # what fails is told here, in words
+        try:
+            asyncio.run(asyncio.wait_for(_knock(address), ANSWER_WITHIN_S))
+            client = Client(address, timeout=ANSWER_WITHIN_S, set_as_default=False)
+        except Exception as error:  # whatever sits at the address answers as it likes
+            raise BadInput(
+                f"--scheduler {address}: no Dask scheduler answered there within {ANSWER_WITHIN_S:g} s "
+                f"({str(error).partition(chr(10))[0] or 'nothing came back'}); start one with `dask "
+                "scheduler` and workers with `dask worker ADDRESS`, and give the address that it prints, like "
+                "tcp://HOST:8786"
+            ) from error
+        with client:
+            yield client
+
+
+async def _knock(address: str) -> None:
+    """Raises where no scheduler is at the address: a client that finds none takes twice its timeout to give up, or
+    waits for ever."""
+    from distributed import rpc
+    from distributed.security import Security
+
+    async with rpc(address, connection_args=Security().get_connection_args("client")) as peer:
+        kind = (await peer.identity())["type"]
+    if kind != "Scheduler":
+        raise ValueError(f"a {kind} is there")
 
 
 def run_on_cluster(

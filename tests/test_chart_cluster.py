@@ -4,6 +4,9 @@ from __future__ import annotations
 
 import contextlib
 import logging
+import re
+import socket
+import subprocess
 import sys
 import time
 from pathlib import Path
@@ -149,11 +152,39 @@ def test_a_cluster_without_workers_is_given_up(study, tmp_path, monkeypatch):
     assert "No variant reaches" in write_chart(chart, tmp_path, "coupler chart small")[1].read_text(encoding="utf-8")
 
 
-def test_a_scheduler_that_does_not_answer_is_refused_in_words(study, tmp_path, monkeypatch):
+def test_what_is_no_scheduler_is_refused_in_words_and_in_time(study, cluster, tmp_path, monkeypatch):
     monkeypatch.setattr(chart_cluster, "ANSWER_WITHIN_S", 0.5)
-    for address in ("tcp://127.0.0.1:9", "nonsense://here"):
-        with pytest.raises(BadInput, match=r"no Dask scheduler answered there within 0\.5 s"):
-            make_chart(study(QUICK), (), tmp_path / "chart", 1, print, address)
+    worker = next(iter(cluster.scheduler.workers))
+    with socket.create_server(("127.0.0.1", 0)) as silent:
+        mute = f"tcp://127.0.0.1:{silent.getsockname()[1]}"
+        for address, why in (
+            ("tcp://127.0.0.1:9", "nothing came back"),
+            (mute, "nothing came back"),
+            (worker, "a Worker is there"),
+            ("nonsense://here", "unknown address scheme"),
+        ):
+            asked = time.monotonic()
+            with pytest.raises(BadInput, match=rf"no Dask scheduler answered there within 0\.5 s \({why}"):
+                make_chart(study(QUICK), (), tmp_path / "chart", 1, print, address)
+            assert time.monotonic() - asked < 5.0
+
+
+def test_a_scheduler_that_dies_is_told_in_words_alone(study, tmp_path, capfd):
+    """A process of its own: it is killed."""
+    words = [sys.executable, "-m", "distributed.cli.dask_scheduler", "--host", "127.0.0.1", "--port", "0"]
+    scheduler = subprocess.Popen([*words, "--no-dashboard"], stderr=subprocess.PIPE, text=True)
+    address = next(found[0] for line in scheduler.stderr if (found := re.search(r"tcp://127\.0\.0\.1:\d+", line)))
+    said = []
+
+    def say(line):
+        said.append(line)
+        if line.startswith("sent"):
+            scheduler.kill()
+
+    make_chart(study(QUICK), (), tmp_path / "chart", 1, say, address)
+    scheduler.communicate()
+    assert said[-1] == "  lost the scheduler dropped it or is gone"
+    assert "Traceback" not in capfd.readouterr().err
 
 
 def test_without_dask_the_extra_is_named(study, tmp_path, monkeypatch):
