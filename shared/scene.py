@@ -84,10 +84,10 @@ def read_toml(path: Path) -> dict[str, Any]:
     """What a TOML file holds. Raises BadInput."""
     try:
         return tomllib.loads(path.read_text(encoding="utf-8-sig"))
-    except tomllib.TOMLDecodeError as error:
-        raise BadInput(f"{path}: not TOML: {error}") from None
     except (OSError, UnicodeDecodeError) as error:
         raise BadInput(f"{path}: cannot be read: {error}") from None
+    except (ValueError, RecursionError) as error:  # not TOML, a number of thousands of digits, thousands of brackets
+        raise BadInput(f"{path}: not TOML: {error}") from None
 
 
 def _find_curves(data: dict[str, Any], folder: Path) -> None:

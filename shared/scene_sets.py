@@ -10,6 +10,8 @@ from typing import Any
 from shared.scene_fields import suggest
 
 _PART = re.compile(r'"(?P<quoted>[^"]*)"|\[(?P<index>\d+)\]|(?P<bare>[^.\[\]"]+)')
+_NAME = r'(?:"[^"]*"|\s*[^.\[\]"\s][^.\[\]"]*)'
+_PATH = re.compile(rf"{_NAME}(?:\.{_NAME}|\.?\[\d+\])*\s*")
 
 
 def apply_sets(data: dict[str, Any], sets: Sequence[str]) -> list[str]:
@@ -22,7 +24,7 @@ def apply_sets(data: dict[str, Any], sets: Sequence[str]) -> list[str]:
     for text in sets:
         path, equals, value = text.partition("=")
         parts = [m["quoted"] or m["index"] or m["bare"].strip() for m in _PART.finditer(path) if m.group().strip()]
-        if not equals or not parts:
+        if not equals or not _PATH.fullmatch(path):
             mistakes.append(f"--set {text}: write path.to.key=value")
             continue
         problem = _assign(data, parts, parse_value(value))
@@ -32,11 +34,12 @@ def apply_sets(data: dict[str, Any], sets: Sequence[str]) -> list[str]:
 
 
 def parse_value(text: str) -> Any:
-    """A TOML value, or the text itself if it is not one."""
+    """A TOML value, or the text itself if it is not just one."""
     try:
-        return tomllib.loads(f"value = {text.strip()}")["value"]
-    except tomllib.TOMLDecodeError:
-        return text.strip()
+        found = tomllib.loads(f"value = {text.strip()}")
+    except (ValueError, RecursionError):  # not TOML, a number of thousands of digits, thousands of brackets
+        found = {}
+    return found["value"] if len(found) == 1 else text.strip()
 
 
 def _assign(data: dict[str, Any], parts: list[str], value: Any) -> str | None:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Annotated, Literal
 
-from pydantic import Field
+from pydantic import Field, field_validator
 
 from shared.schema_base import NonNegative, Positive, Table, key
 
@@ -24,6 +24,11 @@ class Limits(Table):
     mapping: Positive = key(
         1e-9, unit="-", about="largest difference of the total force before and after the map, over the sum of forces"
     )
+
+    @field_validator("*")
+    @classmethod
+    def _computable(cls, value: float) -> float:
+        return value  # compared with, never computed with: 1e300 is no limit
 
 
 class Coupling(Table):

@@ -97,7 +97,10 @@ class Column(Table):
     )
     compressible: bool = key(
         True,
-        about="true: sound at fluid.sound_speed, by characteristics; false: a column moves as one (far end open)",
+        about=(
+            "true: sound at fluid.sound_speed, by characteristics; false: a column moves as one, which needs "
+            'far_end = "open" and reflection = 1'
+        ),
     )
 
     @model_validator(mode="after")
