@@ -12,6 +12,7 @@ from shared.schema_solid import PARTICLE_MODELS, RIGID_MODELS
 
 LEAST_SLENDER = 3.0  # length over thickness below which a body is no beam
 WANTED_SLENDER = 5.0  # below it, shear and the clamps' neighbourhood rule, which a beam only sketches
+_SLACK = 1.0 - 1e-9  # 0.12 over 0.04 is a little below 3
 LEAST_ROWS = 2  # rows of interface points across a beam that let a fluid's ghosts follow its rotation
 
 STRESSES = ("stress-xx", "stress-yy", "stress-xy", "von-mises")
@@ -62,7 +63,7 @@ def _beams(scene: Scene) -> Iterator[str]:
             yield f"{path}: model beam needs a rectangle; use model total-lagrangian for other shapes"
             continue
         ratio, axis = slenderness(body)
-        if ratio < LEAST_SLENDER:
+        if ratio < LEAST_SLENDER * _SLACK:
             yield (
                 f"{path}.rectangle: {ratio:.3g} times as long as thick; model beam needs {LEAST_SLENDER:g} or more, "
                 "model total-lagrangian takes any shape"
@@ -201,7 +202,7 @@ def _unused(scene: Scene) -> Iterator[str]:
     elif solid.model == "beam":
         for i, body in enumerate(solid.bodies):
             ratio, _ = slenderness(body)
-            if ratio < WANTED_SLENDER:
+            if ratio < WANTED_SLENDER * _SLACK:
                 wrong = f"solid.bodies[{i}]: '{body.name}' is {ratio:.3g} times as long as thick"
                 yield f"{wrong}; model beam wants {WANTED_SLENDER:g}"
 

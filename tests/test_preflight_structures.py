@@ -131,6 +131,12 @@ def test_the_body_that_the_goal_asks_about_is_judged(tmp_path):
     assert {f.rule: f.value for f in findings(scene, scene_numbers(scene))}["particles across"] == pytest.approx(4.0)
 
 
+def test_three_times_as_long_as_thick_is_three_times():
+    """0.12 over 0.04 is 2.9999999999999996."""
+    sets = ["solid.bodies=[{ name = 'beam', rectangle = [0.0, 0.0, 0.12, 0.04] }]", "probes.mid_y.point=[0.06, 0.02]"]
+    assert scene_numbers(load_scene("udl_beam", ["solid.model=beam", *sets])).plate.thickness == pytest.approx(0.04)
+
+
 @pytest.mark.parametrize(("level", "pressure"), [(0.5, 0.0), (0.3, 0.2 * 9810.0)])
 def test_a_plate_between_two_waters_bears_the_difference_of_their_levels(tmp_path, level, pressure):
     plate = scene_numbers(text_scene(tmp_path, BETWEEN_LEVELS.replace("LEVEL", str(level)))).plate
