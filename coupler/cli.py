@@ -76,7 +76,9 @@ def run(
     models: Annotated[
         Models, typer.Option(help="As the scene says, or the smallest pair that meets its goal.")
     ] = Models.scene,
-    force: Annotated[bool, typer.Option("--force", help="Run although pre-flight refuses the scene.")] = False,
+    force: Annotated[
+        bool, typer.Option("--force", help="Run although pre-flight refuses the scene, or --models auto its cost.")
+    ] = False,
     fluid_command: Annotated[
         str | None, typer.Option(help="A fluid of your own: what starts it.", metavar="COMMAND", show_default=False)
     ] = None,
@@ -91,13 +93,13 @@ def run(
     warn(scene)
     found = preflight(scene)
     if models is Models.auto:
-        scene = chosen(found)
-        if scene.fluid is None or scene.solid is None:
-            raise SystemExit(run_one_side(scene, case_name(case), out, counts, quiet))
+        scene = chosen(found, force)
         found = preflight(scene)
     warn_of(found)
     if not force:
         stop_if_refused(found)
+    if models is Models.auto and (scene.fluid is None or scene.solid is None):
+        raise SystemExit(run_one_side(scene, case_name(case), out, counts, quiet, found))
     record = run_coupled(scene, case_name(case), out, counts, quiet, link.value, found.as_dict(), programs)
     conclude_coupled(record, scene, quiet)
 
@@ -116,7 +118,7 @@ def resume(
     ran = cut.last.notes["threads"]
     if len(ran) == 1:
         cut.held.close()  # that side's own program claims the run
-        raise SystemExit(resume_one_side(run_dir, *ran, ",".join(threads or ()), quiet))
+        raise SystemExit(resume_one_side(run_dir, cut.scene, *ran, ",".join(threads or ()), quiet))
     counts = parse_threads(",".join(threads)) if threads else ran
     conclude_coupled(resume_coupled(cut, counts, link.value, quiet), cut.scene, quiet)
 

@@ -13,7 +13,7 @@ from typing import Any
 from coupler.preflight_cost import Cost, calibrate, predicted_cost
 from coupler.preflight_error import error_bound
 from coupler.preflight_finding import Finding
-from coupler.preflight_ladder import Rung, ladder, smallest
+from coupler.preflight_ladder import Rung, ladder, near_miss, smallest
 from coupler.preflight_numbers import Numbers, scene_numbers
 from coupler.preflight_rules import findings
 from coupler.preflight_window import expected_window
@@ -45,12 +45,18 @@ class Preflight:
         """The smallest pair that meets the goal."""
         return smallest(self.ladder)
 
+    @property
+    def near_miss(self) -> Rung | None:
+        """What just misses the goal for a tenth of the cost or less."""
+        return near_miss(self.ladder)
+
     def as_dict(self) -> dict[str, Any]:
         """For result.json and `coupler check --json`."""
         return {
             "verdict": self.verdict,
             "findings": [asdict(finding) for finding in self.findings],
             "smallest": None if self.choice is None else _rung_dict(self.choice, self.slower),
+            "near_miss": None if self.near_miss is None else _rung_dict(self.near_miss, self.slower),
             "ladder": [_rung_dict(rung, self.slower) for rung in self.ladder],
             "predicted": {
                 "error_bound": self.error,

@@ -35,6 +35,7 @@ SOLIDS = ("rigid", "spring", "beam", "total-lagrangian", "ctvf")
 REFINEMENTS = (2.0, 1.5, 1.25, 1.0, 0.8, 2 / 3, 0.5, 0.4, 1 / 3, 0.25, 0.2, 1 / 6, 0.125, 0.1, 0.075, 0.05, 0.025)
 """Spacings tried, over the scene's own."""
 
+NEAR, DEAR = 1.5, 10.0  # bound over the goal's error, and cost over its own, that make a near miss worth naming
 _RIGID_SHARE = 10.0  # error of the flow per deflection over depth, when an elastic body is held rigid
 
 
@@ -74,6 +75,15 @@ def ladder(scene: Scene) -> list[Rung]:
 def smallest(rungs: list[Rung]) -> Rung | None:
     """The rung to take, if any is enough."""
     return next((rung for rung in rungs if rung.standing == "smallest"), None)
+
+
+def near_miss(rungs: list[Rung]) -> Rung | None:
+    """The cheapest pair that just misses the goal, where the smallest that meets it costs ten times as much."""
+    best = smallest(rungs)
+    if best is None:
+        return None
+    near = [r for r in rungs if r.standing == "not enough" and r.error <= NEAR * r.scene.goal.error]
+    return min((r for r in near if DEAR * r.cost.core_s < best.cost.core_s), key=lambda r: r.cost.core_s, default=None)
 
 
 def _placed(rung: Rung, best: Rung) -> Rung:
@@ -147,6 +157,8 @@ def _unable(scene: Scene, n: Numbers, worst: str) -> str:
     """Why a pair has no bound at all."""
     what = scene.goal.statistic
     if n.water is not None and worst.startswith("fluid"):
+        if n.water.model in PARTICLE_FLUIDS and n.water.bottomless > 0.0:
+            return "the water falls away: under some of it there is nothing"
         if n.water.model in PARTICLE_FLUIDS:
             found = helmholtz(scene, n)
             if found is not None and found.verdict == "refuse":

@@ -68,11 +68,24 @@ def verdict_lines(report: Preflight, scene: Scene) -> list[str]:
         coupled = f" {_coupling_line(choice.scene, numbers)}" if numbers.joint is not None else ""
         how = f"by {sets}" if sets else "as it stands"
         lines.append(f"Smallest that meets the goal: {choice.name} {how}.{coupled}")
+        if report.near_miss is not None:
+            lines.append(near_miss_line(report))
     elif report.ladder:
         closest = min((r for r in report.ladder if r.cost is not None), key=lambda r: r.error, default=None)
         why = f": {closest.reason}" if closest is not None else ""
         lines.append(f"No pair of models is known to meet the goal{why}.")
     return lines
+
+
+def near_miss_line(report: Preflight) -> str:
+    """The near miss, by how much it misses, and both costs."""
+    near, choice = report.near_miss, report.choice
+    costs = [report.slower * rung.cost.core_s for rung in (near, choice)]
+    wanted = near.scene.goal.error
+    return (
+        f"Near miss: {near.name}, bound {100 * near.error:.3g} % for {100 * wanted:.3g} %, misses by "
+        f"{100 * (near.error - wanted):.2g} %, for {costs[0]:.3g} core-seconds in place of {costs[1]:.3g}."
+    )
 
 
 def _coupling_line(scene: Scene, n: Numbers) -> str:

@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import itertools
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
@@ -27,11 +28,18 @@ Factory = Callable[[Scene, bool, int], Model]
 
 
 def run_alone(
-    scene: Scene, case: str, side: str, factory: Factory, out: Path | None, threads: int, quiet: bool
+    scene: Scene,
+    case: str,
+    side: str,
+    factory: Factory,
+    out: Path | None,
+    threads: int,
+    quiet: bool,
+    preflight: Mapping[str, Any] | None = None,
 ) -> Record:
     """Run the `side` ("fluid" or "solid") of a scene without its partner; returns the finished record.
 
-    A fluid holds the solid bodies still; a structure has no fluid.
+    A fluid holds the solid bodies still; a structure has no fluid. `preflight`: what the record is to hold of it.
     """
     if getattr(scene, side) is None:
         other = "solid" if side == "fluid" else "fluid"
@@ -39,6 +47,7 @@ def run_alone(
     scene = own_probes(scene, side)
     run_dir = new_run_directory(out, case)
     with Record(run_dir, scene, case, {side: threads}, quiet) as record:
+        record.preflight |= preflight or {}
         _march(scene, side, factory, threads, record)
     return record
 
@@ -48,6 +57,7 @@ def resume_alone(cut: Unfinished, side: str, factory: Factory, threads: int | No
     scene, last = cut.scene, cut.last
     threads = threads or last.notes["threads"][side]
     with Record(cut.run_dir, scene, last.notes["case"], {side: threads}, quiet, last, cut.held) as record:
+        record.preflight |= last.notes["preflight"]
         _march(scene, side, factory, threads, record, last)
     return record
 

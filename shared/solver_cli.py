@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import logging
 import sys
 from pathlib import Path
@@ -51,12 +52,16 @@ def solver_app(side: str, factory: Factory) -> typer.Typer:
             typer.Option(help="Directory of a coupled run, recorded with output.exchange: its partner is played."),
         ] = None,
         quiet: Quiet = False,
+        preflight: Annotated[
+            Path | None, typer.Option(hidden=True, help="JSON for the result, of the coupler.")
+        ] = None,
     ) -> None:
         """Run this side of a scene alone and write a run directory."""
         scene = load_scene(case, sets or ())
         warn(scene)
         given = (scene, case_name(case), side, factory, out, threads, quiet)
-        conclude(run_alone(*given) if replay is None else replay_alone(*given, replay), quiet)
+        known = {} if preflight is None else json.loads(preflight.read_text(encoding="utf-8"))
+        conclude(run_alone(*given, known) if replay is None else replay_alone(*given, replay), quiet)
 
     @app.command("resume")
     def resume(
