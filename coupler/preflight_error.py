@@ -37,7 +37,7 @@ from coupler.preflight_error_solid import (
     swing_at_the_end,
     swing_in_a_mean,
 )
-from coupler.preflight_finding import PARTICLE_FLUIDS, STEADY
+from coupler.preflight_finding import COLUMN, PARTICLE_FLUIDS, STEADY, of_particles
 from coupler.preflight_numbers import Numbers
 from coupler.preflight_plate import Plate, goals_probe, of_a_body
 from coupler.preflight_rules_joint import HELMHOLTZ_REFUSE
@@ -49,7 +49,6 @@ from shared.schema_solid import RIGID_MODELS
 Parts = dict[str, float]
 
 STILL = 1e-3
-COLUMN = 0.3
 REST = {"ctvf": 1.0, "wcsph": 3.0}
 CROWD, CROWDED = 2.0, 0.1  # from this h/dx on a lattice of particles bears hardly any shear, and rest is as much better
 SAG = 0.05  # of dx: what a lattice that bears shear takes off a level
@@ -65,7 +64,8 @@ def error_parts(scene: Scene, n: Numbers) -> Parts:
     if n.plate is not None:
         parts[scene.solid.model] = of_structure(scene, n)
     if n.water is not None:
-        parts[f"fluid {scene.fluid.model}"] = _fluid(scene, n)
+        away = of_particles(n) and n.water.bottomless > 0.0
+        parts[f"fluid {scene.fluid.model}"] = UNKNOWN if away else _fluid(scene, n)
     swings = {SWING: swing_in_a_mean(scene, n), PHASE: swing_at_the_end(scene, n, sum(parts.values()))}
     return parts | {name: part for name, part in swings.items() if part > 0.0}
 

@@ -13,6 +13,8 @@ from shared.schema import Scene
 Verdict = Literal["ok", "warn", "refuse"]
 
 STEADY = ("mean",)  # statistics that do not feel how fast sound crosses the water
+COLUMN = 0.3
+"""Bound of what columns make of the swing of a plate that bends."""
 PARTICLE_FLUIDS = ("ctvf", "wcsph")
 
 

@@ -10,6 +10,7 @@ from __future__ import annotations
 from coupler.preflight_finding import Finding, Rule
 from coupler.preflight_numbers import Numbers
 from coupler.preflight_rules_joint import (
+    density_ratio,
     ghost_acceleration,
     helmholtz,
     mass_ratio,
@@ -45,6 +46,7 @@ RULES: tuple[Rule, ...] = (
     froude,
     slenderness,
     cauchy,
+    density_ratio,
     mass_ratio,
     window_number,
     across,

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 
-from coupler.preflight_finding import STEADY, Finding, above, below, of_particles
+from coupler.preflight_finding import COLUMN, STEADY, Finding, above, below, of_particles
 from coupler.preflight_numbers import Numbers
 from coupler.preflight_window import expected_plan, expected_window
 from coupler.window import largest_alpha
@@ -13,6 +13,7 @@ from shared.schema import Scene
 from shared.schema_solid import PARTICLE_MODELS
 
 HELMHOLTZ_WARN, HELMHOLTZ_REFUSE = 0.8, math.pi / 2.0  # half and all of a quarter wave, where a column resonates
+DENSITY_RATIO = (0.009, 100.0)  # polystyrene foam in water 0.015, tungsten in it 19
 MASS_RATIO_WARN = 50.0  # the heaviest water that was run explicitly over its plate: hydrostatic_plate, 15
 ALPHA_WARN = 8.0 / 7.0  # of the largest of automatic windows; 0.07 decays and 0.14 grows on a reflecting column
 ALPHA_REFUSE = {"serial": (2.0, 1.155, 0.709), "parallel": (0.667, 0.252, 0.078)}
@@ -37,14 +38,22 @@ def helmholtz(scene: Scene, n: Numbers) -> Finding | None:
     )
     if scene.goal is not None and scene.goal.statistic in STEADY:
         return Finding("Helmholtz", value, "ok", f"{why}; the goal's mean does not feel it, peaks and periods would")
-    needed = w.sound_speed * value / HELMHOLTZ_WARN
-    way_out = (
-        f"judge a mean (goal.statistic), use fluid.model = column (incompressible), or fluid.sound_speed = "
-        f"{needed:.3g}, at {needed / w.sound_speed:.2g} times the cost"
-    )
+    column = scene.goal is None or (
+        w.rests and scene.goal.error >= COLUMN
+    )  # offered where its bound can reach the goal
+    ways = ["judge a mean (goal.statistic)", *(["use fluid.model = column (incompressible)"] if column else [])]
+    way_out = ", ".join(ways) + f", or {_faster_sound(w.sound_speed, value / HELMHOLTZ_WARN)}"
     # Who wants nothing is not refused it; and a splash may pass without the plate's own swing.
     refuse = HELMHOLTZ_REFUSE if scene.goal is not None and w.rests else math.inf
     return Finding("Helmholtz", value, above(value, HELMHOLTZ_WARN, refuse), why, way_out)
+
+
+def _faster_sound(now: float, times: float) -> str:
+    """The way out that sound `times` as fast is, rounded up, and what it costs."""
+    digit = 10.0 ** (math.floor(math.log10(now * times)) - 2)
+    needed = digit * math.ceil(now * times / digit)
+    more = f"{needed / now:.2g} times" if needed > 1.2 * now else f"{100.0 * (needed / now - 1.0):.1g} % more than"
+    return f"fluid.sound_speed = {needed:.3g} (now {now:.4g}; limit {HELMHOLTZ_WARN:g}), at {more} the cost"
 
 
 def mass_ratio(scene: Scene, n: Numbers) -> Finding | None:
@@ -62,6 +71,18 @@ def mass_ratio(scene: Scene, n: Numbers) -> Finding | None:
     if value > MASS_RATIO_WARN and scheme.endswith("explicit"):
         return Finding("mass ratio", value, "warn", reason, "an implicit scheme with iqn-ils, or scheme = auto")
     return Finding("mass ratio", value, "ok", reason)
+
+
+def density_ratio(scene: Scene, n: Numbers) -> Finding | None:
+    """Structure's density over the fluid's, where it counts: far from that of any solid in a liquid is a wrong unit."""
+    if n.joint is None or n.plate.model == "rigid":
+        return None
+    value, (least, most) = n.plate.density / n.water.density, DENSITY_RATIO
+    reason = f"{n.plate.density:g} over {n.water.density:g} kg/m³"
+    if least <= value <= most:
+        return Finding("density ratio", value, "ok", reason)
+    way_out = "check the units of both densities: water has 1000 kg/m³, steel 7850"
+    return Finding("density ratio", value, "warn", f"{reason}: no solid in a liquid has such a one", way_out)
 
 
 def window_number(scene: Scene, n: Numbers) -> Finding | None:

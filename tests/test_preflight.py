@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import math
+import re
 import sys
 from typing import get_args
 
@@ -17,6 +18,7 @@ from coupler.preflight_error import error_bound
 from coupler.preflight_ladder import ladder, smallest
 from coupler.preflight_numbers import scene_numbers
 from coupler.preflight_rules import RULES, findings
+from coupler.preflight_table import near_miss_line
 from fluid_solver.models import make_model as make_fluid
 from shared.scene import load_scene, shipped_cases
 from shared.schema_fluid import Fluid
@@ -48,6 +50,8 @@ TRIPPED = (
                                  "probes.mid_y.point=[0.024, 0.006]"], "slenderness", "warn"),
     ("cauchy", "dam_break_plate", ["solid.youngs_modulus=1e5"], "Cauchy", "warn"),
     ("cauchy", "dam_break_plate", ["solid.youngs_modulus=1e3"], "Cauchy", "refuse"),
+    ("density_ratio", "hydrostatic_plate", ["solid.density=2.7"], "density ratio", "warn"),
+    ("density_ratio", "hydrostatic_plate", ["fluid.density=1.0"], "density ratio", "warn"),
     ("mass_ratio", "hydrostatic_plate", ["solid.density=500", "coupling.scheme=serial-explicit"], "mass ratio", "warn"),
     ("window_number", "hydrostatic_plate", ["coupling.window=1e-3"], "window α", "warn"),
     ("window_number", "hydrostatic_plate", ["coupling.window=1e-2"], "window α", "refuse"),
@@ -152,9 +156,13 @@ def test_a_loaded_beam_needs_a_beam():
 
 
 def test_a_tighter_goal_needs_particles():
-    choice = smallest(ladder(load_scene("udl_beam", ["goal.error=0.002"])))
-    assert choice.name == "total-lagrangian"
-    assert choice.error <= 0.002
+    """And a cliff is named: what just misses the goal for a tenth of the cost."""
+    found = preflight(load_scene("udl_beam", ["goal.error=0.002"]))
+    assert found.choice.name == "total-lagrangian"
+    assert found.choice.error <= 0.002
+    assert found.near_miss.name == "beam"
+    assert "bound 0.272 % for 0.2 %, misses by 0.072 %" in near_miss_line(found)
+    assert preflight(load_scene("udl_beam", ["goal.error=0.001"])).near_miss is None
 
 
 def test_a_force_on_an_elastic_wall_may_be_had_from_a_rigid_one():
@@ -188,6 +196,30 @@ def test_a_static_goal_under_water_needs_no_moving_water():
     choice = smallest(ladder(load_scene("hydrostatic_plate")))
     assert choice.solid == "beam"
     assert choice.fluid in RESTING
+
+
+@pytest.mark.parametrize(("error", "offered"), [(0.05, False), (0.35, True)])
+def test_a_way_out_is_offered_where_its_bound_reaches_the_goal(error, offered):
+    """Columns are bounded by 30 %."""
+    scene = load_scene("hydrostatic_plate", ["goal.statistic=min", f"goal.error={error}"])
+    found = {f.rule: f for f in findings(scene, scene_numbers(scene))}["Helmholtz"]
+    assert ("column" in found.way_out) == offered
+    assert (smallest(ladder(scene)) is not None) == offered
+
+
+def test_a_faster_sound_that_helps_is_named_and_what_it_costs():
+    """A little above the limit a little more does, and the way out leads below it."""
+
+    def helmholtz(sound):
+        scene = load_scene("hydrostatic_plate", ["goal.statistic=min", f"fluid.sound_speed={sound}"])
+        return {f.rule: f for f in findings(scene, scene_numbers(scene))}["Helmholtz"]
+
+    far = helmholtz(100.0)
+    assert "times the cost" in far.way_out
+    near = helmholtz(100.0 * far.value / 0.8003)
+    assert near.verdict == "warn"
+    assert "% more than the cost" in near.way_out
+    assert helmholtz(re.search(r"sound_speed = (\S+)", near.way_out)[1]).verdict == "ok"
 
 
 def test_a_transient_under_deep_water_is_beyond_the_low_sound_speed():
@@ -322,6 +354,21 @@ def test_a_run_keeps_what_was_predicted_and_what_came(command, tmp_path):
     assert kept["window"] == pytest.approx(kept["predicted"]["window"], rel=0.1)
 
 
+def test_models_auto_asks_before_it_takes_hours(command, tmp_path):
+    code, _, errors = command("run", "udl_beam", "--models", "auto", "--out", "run", "--set", "goal.error=2.5e-4")
+    assert code == 2
+    assert "core-hours, more than one and more than the scene as it stands; --force runs it" in errors
+    assert not (tmp_path / "run").exists()
+
+
+def test_models_auto_heeds_refusals_of_one_side(command, tmp_path):
+    sets = ("--set", "goal.error=1e-12", "--set", "solid.courant=0.9", "--set", "end_time=0.01")
+    code, _, errors = command("run", "spinning_square", "--models", "auto", *sets, "--out", "run")
+    assert code == 2
+    assert "Courant, solid" in errors
+    assert not (tmp_path / "run").exists()
+
+
 def test_models_auto_runs_the_choice_and_writes_it_down(command, tmp_path):
     code, *_ = command("run", "udl_beam", "--models", "auto", "--out", "run", "--quiet", "--set", "end_time=0.15")
     assert code == 0
@@ -329,3 +376,6 @@ def test_models_auto_runs_the_choice_and_writes_it_down(command, tmp_path):
     assert scene.solid.model == "beam"
     result = json.loads((tmp_path / "run" / "result.json").read_text())
     assert math.isclose(result["references"][0]["error"], 0.0, abs_tol=0.002)
+    kept = result["preflight"]
+    assert kept["actual"] == {"core_s": result["cost"]["core_s"], "error": abs(result["references"][0]["error"])}
+    assert kept["actual"]["error"] <= kept["predicted"]["error_bound"] <= 0.003

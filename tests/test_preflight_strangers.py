@@ -133,6 +133,13 @@ def test_without_the_sheet_held_up_the_water_falls(tmp_path):
     assert found.choice.fluid in ("wcsph", "ctvf")
 
 
+def test_water_that_falls_away_has_no_bound(tmp_path):
+    found = report(tmp_path, STEEL_SIDE.replace("GOAL", "mean"), "gravity=[0.0, 9.81]")
+    assert found.choice is None
+    assert math.isinf(found.error)
+    assert any("falls away" in rung.reason for rung in found.ladder)
+
+
 def test_a_drop_on_a_bridge_of_odd_shape_needs_particles_on_both_sides(tmp_path):
     found = report(tmp_path, DROP_ON_RUBBER, "goal.error=0.4")
     assert found.choice.fluid == "wcsph"
