@@ -140,7 +140,9 @@ class _Runner:
             sets = (word for text in variant.sets for word in ("--set", text))
             code = self._ended([*command("run", variant.scene, self.case), "--out", str(out), *sets], log)
         result = kept(variant, out)
-        if result is None:
+        if self.stop.is_set() and result is None:
+            result = {"status": "interrupted"}
+        elif result is None:
             result = without_result(log.read_text(encoding="utf-8", errors="replace"), code)
         elif resumed or not self.alone:
             result["chart"] = {"alone": False}

@@ -143,6 +143,7 @@ def test_a_chart_keeps_others_out_ends_with_all_its_runs_and_goes_on_with_them(c
     assert time.monotonic() - asked < 15.0
     assert second.returncode == 130, errors
     assert "going on with beam" in said + out
+    assert out.count("  interrupted\n") == 2
     for variant in folder.glob("runs/beam-*/"):
         assert newest(variant).time > 0.0
         with claim(variant):
