@@ -1,4 +1,4 @@
-"""How far a body afloat has to go to its equilibrium, from the scene alone."""
+"""Whether a body floats, and how far it has to go to its equilibrium, from the scene alone."""
 
 from __future__ import annotations
 
@@ -6,8 +6,31 @@ import math
 
 import numpy as np
 
+from coupler.preflight_plate import Plate
 from coupler.preflight_shapes import area, outline
 from shared.schema import Scene
+
+AFLOAT = 0.03  # weight of the water that a body's motion moves, over its springs' force
+_ROUNDING = 1e-6  # of a body's height
+
+
+def afloat(scene: Scene, plate: Plate) -> bool:
+    """Whether a body rises and sinks with the water's level: that stands at its sides, and its springs along gravity do
+    not hold it. A floor, or a body that is under water all over, does not float."""
+    g = math.hypot(*scene.gravity)
+    if plate.model != "spring" or g == 0.0 or not _pierces(scene):
+        return False
+    along = sum(k * (part / g) ** 2 for k, part in zip(scene.solid.spring.stiffness, scene.gravity, strict=False))
+    return along * AFLOAT < scene.fluid.density * g * plate.length
+
+
+def _pierces(scene: Scene) -> bool:
+    """Whether a surface of the water stands between a solid body's lowest and its highest point."""
+    up = -np.array(scene.gravity)
+    tops = [float((outline(body).reshape(-1, 2) @ up).max()) for body in scene.fluid.bodies]
+    heights = [outline(body).reshape(-1, 2) @ up for body in scene.solid.bodies]
+    slack = [_ROUNDING * np.ptp(height) for height in heights]
+    return any(h.min() + s < top < h.max() - s for h, s in zip(heights, slack, strict=True) for top in tops)
 
 
 def to_equilibrium(scene: Scene, name: str) -> float:

@@ -3,10 +3,12 @@
 Each part is measured on cases with a known answer (cases/results and README.md), with a margin of 1.2 to 2.5 over the
 worst found; dx spacing of the fluid. The structure's part, and what its swing adds: preflight_error_solid.py.
 
-    still              0.1 %
+    still              0.1 %; its level keeps the water's volume
                        (neither this nor a column bears a body that floats, this none without weight)
-    column             0.1 % of a mean or under a rigid body; 30 % of the swing of a plate that bends, whose water flows
-                       sideways too (share of the first mode, coupler/preflight_numbers.py)
+    column             0.1 % of a mean, and a plate's sag over the depth, for columns do not level out; 30 % of the
+                       swing of a plate that bends, whose water flows sideways too (share of the first mode,
+                       coupler/preflight_numbers.py); where it carries sound θ²/4 of a swing, θ the depth in radians of
+                       sound: the water's mass counts tan θ/θ times         a tank on springs
     water at rest      dx/H (ctvf), 3 dx/H (wcsph), a tenth with h = 2 dx  still_tank, soft_plate, hydrostatic_plate
                        times buoyancy over what it leaves of the weight of a plate under water
     its pressure at z  besides, over z: the level of settled water, g (H² − z²)/(2 c0²) lower, 0.05 dx more with less
@@ -26,7 +28,7 @@ import math
 
 import numpy as np
 
-from coupler.preflight_afloat import to_equilibrium
+from coupler.preflight_afloat import afloat, to_equilibrium
 from coupler.preflight_error_flow import MOTIONS, SMOOTH, flow_error
 from coupler.preflight_error_solid import (
     PHASE,
@@ -39,7 +41,7 @@ from coupler.preflight_error_solid import (
 )
 from coupler.preflight_finding import COLUMN, PARTICLE_FLUIDS, STEADY, of_particles
 from coupler.preflight_numbers import Numbers
-from coupler.preflight_plate import Plate, goals_probe, of_a_body
+from coupler.preflight_plate import goals_probe, of_a_body
 from coupler.preflight_rules_joint import HELMHOLTZ_REFUSE
 from coupler.preflight_shapes import outline
 from shared.schema import Scene
@@ -53,7 +55,7 @@ REST = {"ctvf": 1.0, "wcsph": 3.0}
 CROWD, CROWDED = 2.0, 0.1  # from this h/dx on a lattice of particles bears hardly any shear, and rest is as much better
 SAG = 0.05  # of dx: what a lattice that bears shear takes off a level
 SENSOR = 0.09  # of a sensor's reach by (1 − depth/reach)²: what it feels too much where it reaches out of the water
-AFLOAT, WATERLINE = 0.03, 0.4  # weight of the water that a body's motion moves, over its springs' force
+WATERLINE = 0.4  # of dx
 
 
 def error_parts(scene: Scene, n: Numbers) -> Parts:
@@ -87,7 +89,10 @@ def _fluid(scene: Scene, n: Numbers) -> float:
         bends = n.plate is not None and n.plate.model not in RIGID_MODELS
         if not water.rests or floats or (closed and scene.fluid.column.far_end == "open"):
             return UNKNOWN
-        return STILL if steady or not bends else COLUMN
+        sag = (n.plate.deflection or 0.0) / water.height if bends else 0.0  # a column's own top sags with its foot
+        if steady:
+            return STILL + sag
+        return (COLUMN if bends else STILL) + _sounding(scene, n)
     return _at_rest(scene, n, floats) if water.rests else flow_error(scene, n)
 
 
@@ -134,6 +139,15 @@ def _waterline(scene: Scene, n: Numbers, probe: Probe | None) -> float:
     return WATERLINE * n.water.dx / n.plate.thickness
 
 
+def _sounding(scene: Scene, n: Numbers) -> float:
+    """Error of a swing by the sound that crosses a column late."""
+    if not scene.fluid.column.compressible or n.joint is None or n.plate is None or n.plate.frequency is None:
+        return 0.0
+    wet = n.plate.frequency / math.sqrt(1.0 + n.joint.mass_ratio)
+    theta = 2.0 * math.pi * wet * n.joint.depth / n.water.sound_speed
+    return 0.25 * theta**2 if theta < HELMHOLTZ_REFUSE else UNKNOWN
+
+
 def _left_of_weight(scene: Scene, n: Numbers) -> float:
     """Buoyancy over what it leaves of the weight of a plate under water: so many times its error counts in bending."""
     probe = goals_probe(scene)
@@ -143,15 +157,6 @@ def _left_of_weight(scene: Scene, n: Numbers) -> float:
         return 1.0
     left = abs(n.plate.density - n.water.density)
     return max(1.0, n.water.density / left) if left > 0.0 else UNKNOWN
-
-
-def afloat(scene: Scene, plate: Plate) -> bool:
-    """Whether a body rises and sinks with the water's level: its springs along gravity do not hold it."""
-    g = math.hypot(*scene.gravity)
-    if plate.model != "spring" or g == 0.0:
-        return False
-    along = sum(k * (part / g) ** 2 for k, part in zip(scene.solid.spring.stiffness, scene.gravity, strict=False))
-    return along * AFLOAT < scene.fluid.density * g * plate.length
 
 
 def _radiates(n: Numbers) -> bool:

@@ -10,8 +10,9 @@ import math
 from dataclasses import dataclass, field
 from typing import Literal, get_args
 
+from coupler.preflight_afloat import afloat
 from coupler.preflight_cost import Cost, predicted_cost
-from coupler.preflight_error import Parts, afloat, error_parts
+from coupler.preflight_error import Parts, error_parts
 from coupler.preflight_error_flow import MOTIONS
 from coupler.preflight_error_solid import PHASE, not_bounded
 from coupler.preflight_finding import PARTICLE_FLUIDS, STEADY

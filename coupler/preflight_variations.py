@@ -14,6 +14,7 @@ from coupler.preflight_rules_plate import ACROSS_WARN
 from coupler.preflight_rules_water import WATER_ACROSS_WARN
 from shared.scene_models import FORCES, REACTIONS
 from shared.schema import Scene
+from shared.schema_fluid import Column
 from shared.schema_solid import PARTICLE_MODELS, RIGID_MODELS
 
 Varied = tuple[Scene, tuple[str, ...]]
@@ -36,6 +37,9 @@ def with_models(scene: Scene, fluid: str | None, solid: str | None) -> Varied:
             if model == "ctvf" and side == "solid":
                 update["gradient"] = "quadratic"
                 sets.append("solid.gradient=quadratic")
+            if model == "column" and part.column == Column():  # the water itself carries no slow sound
+                update["column"] = Column(compressible=False)
+                sets.append("fluid.column.compressible=false")
             changes[side] = part.model_copy(update=update)
             sets.append(f"{side}.model={model}")
     return (scene.model_copy(update=changes) if changes else scene), tuple(sets)

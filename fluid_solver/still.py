@@ -1,9 +1,10 @@
 """Model `still`: water that stays at rest, and the load of its weight on what it touches.
 
-Each wetted stretch of a solid's outline is a chain of nodes, the interface points, about dx apart. A node at x carries
-p = ρ max(0, g·x + s), with s the largest of −g·x over the water at t = 0: the surface stays where it is. Between two
-nodes the face is straight and p linear, and its force −∫ p n dl goes to both by the linear shape functions: exact for
-the deformed chain, so that load and its moment follow the interface.
+Each wetted stretch of a solid's outline is a chain of nodes, the interface points, about dx apart, and goes on up to
+the end of the straight side that it stands on. A node at x carries p = ρ max(0, g·x + s), with s that of the level that
+keeps the water's volume between the faces as they are (still_level.py). Between two nodes the face is straight and p
+linear, and its force −∫ p n dl goes to both by the linear shape functions: exact for the deformed chain, so that load
+and its moment follow the interface.
 """
 
 from __future__ import annotations
@@ -12,10 +13,11 @@ from collections.abc import Mapping
 
 import numpy as np
 
+from fluid_solver.still_level import Level, pools
 from shared.contract import Description, Frame, Kinematics, Loads, SolverFailed
 from shared.geometry import contains, fill, outline
 from shared.schema import Scene
-from shared.wetted_faces import wet_links
+from shared.wetted_faces import DRY, wet_links
 
 _FORCES = ("force-x", "force-y")
 
@@ -27,8 +29,12 @@ class StillWater:
 
     def __init__(self, scene: Scene, coupled: bool, threads: int):
         self._scene = scene
-        self._nodes, self._links, self._body, self._top = _chains(scene)
+        self._gravity = np.array(scene.gravity)
+        self._pools = pools(scene.fluid.bodies)
+        self._nodes, self._links, self._body, self._pool = _chains(scene, self._pools)
         self._place = self._nodes.copy()
+        self._level = self._lay_levels()
+        self._height = {k: level.first for k, level in self._level.items()}
         self._pressure, self._force = self._load(self._place)
         self._mean = self._force.copy()
         self._steps = 0
@@ -54,7 +60,7 @@ class StillWater:
     def begin(self, motion: Kinematics | None) -> Loads:
         """The load on the faces as they stand at t = 0."""
         if motion is not None:
-            self._place = motion.position.copy()
+            self._move(motion.position)
         self._pressure, self._force = self._load(self._place)
         self._mean = self._force.copy()
         return Loads(self._pressure, self._force)
@@ -67,7 +73,7 @@ class StillWater:
         """The load at the window's end; as force the mean of both ends' [N/m]."""
         before = self._force
         if boundary is not None:
-            self._place = boundary.position.copy()
+            self._move(boundary.position)
         self._pressure, self._force = self._load(self._place)
         self._mean = 0.5 * (before + self._force)
         self._steps += substeps
@@ -75,12 +81,19 @@ class StillWater:
 
     def state(self) -> dict[str, np.ndarray]:
         """Everything that the future depends on."""
-        return {"place": self._place, "pressure": self._pressure, "force": self._force, "mean": self._mean}
+        return {
+            "place": self._place,
+            "height": np.array(list(self._height.values())),
+            "pressure": self._pressure,
+            "force": self._force,
+            "mean": self._mean,
+        }
 
     def restore(self, state: Mapping[str, np.ndarray]) -> None:
         """Back to a `state`, bit for bit."""
         self._place, self._pressure = np.copy(state["place"]), np.copy(state["pressure"])
         self._force, self._mean = np.copy(state["force"]), np.copy(state["mean"])
+        self._height = dict(zip(self._height, map(float, state["height"]), strict=True))
 
     def check(self) -> None:
         """Raise SolverFailed if the load is not finite."""
@@ -97,8 +110,7 @@ class StillWater:
                 mine = self._body == self._solids().index(probe.body)
                 values[probe.name] = float(self._force[mine, _FORCES.index(probe.quantity)].sum())
             elif probe.quantity == "level":
-                bodies = [b for b in self._scene.fluid.bodies if probe.body in (None, b.name)]
-                values[probe.name] = float(max(outline(body)[..., 1].max() for body in bodies))
+                values[probe.name] = self._probed_level(probe.body)
         return values
 
     def frame(self) -> Frame:
@@ -120,9 +132,42 @@ class StillWater:
     def _along(self, place: np.ndarray) -> np.ndarray:
         return place[self._links[:, 1]] - place[self._links[:, 0]]
 
+    def _lay_levels(self) -> dict[int, Level]:
+        """The level of each pool, by its first body; none without gravity."""
+        g = np.hypot(*self._gravity)
+        if g == 0.0:
+            return {}
+        bodies = self._scene.fluid.bodies
+        return {
+            k: Level(
+                np.concatenate([outline(body) for body, pool in zip(bodies, self._pools, strict=True) if pool == k]),
+                self._links[self._pool[self._links[:, 0]] == k],
+                self._nodes,
+                -self._gravity / g,
+            )
+            for k in sorted(set(self._pools))
+        }
+
+    def _move(self, place: np.ndarray) -> None:
+        """The faces' nodes are at `place` (n, 2) [m]: so are the levels that keep the water's volume."""
+        self._place = place.copy()
+        self._height = {k: level.at(place, self._height[k]) for k, level in self._level.items()}
+
+    def _top(self, pool: np.ndarray) -> np.ndarray:
+        """Largest of −g·x [m²/s²] over the water of each `pool` (m,)."""
+        g = np.hypot(*self._gravity)
+        return np.array([g * self._height.get(int(k), 0.0) for k in pool])
+
+    def _probed_level(self, name: str | None) -> float:
+        """Height y [m] of the surface of the water `name`, or the highest of all."""
+        bodies = [(b, k) for b, k in zip(self._scene.fluid.bodies, self._pools, strict=True) if name in (None, b.name)]
+        risen = {k: self._height[k] - level.first for k, level in self._level.items()}
+        up = -self._gravity[1] / max(np.hypot(*self._gravity), 1e-300)
+        return float(max(outline(body)[..., 1].max() + risen.get(k, 0.0) * up for body, k in bodies))
+
     def _load(self, place: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Pressure (n,) [Pa] and force (n, 2) [N/m] of nodes at `place` (n, 2)."""
-        p = self._scene.fluid.density * np.maximum(place @ np.array(self._scene.gravity) + self._top, 0.0)
+        p = self._scene.fluid.density * np.maximum(place @ self._gravity + self._top(self._pool), 0.0)
         along = self._along(place)
         into_solid = np.c_[-along[:, 1], along[:, 0]]  # the solid is on the left; as long as the link
         force = np.zeros_like(place)
@@ -133,31 +178,34 @@ class StillWater:
 
     def _at(self, points: np.ndarray) -> np.ndarray:
         """Pressure (m,) [Pa] at `points` (m, 2): of the water that holds them, else of the first."""
-        gravity, bodies = np.array(self._scene.gravity), self._scene.fluid.bodies
-        top = np.full(len(points), _surface(bodies[0], gravity))
-        for body in bodies[1:]:
-            top[contains(body, points)] = _surface(body, gravity)
-        return self._scene.fluid.density * np.maximum(points @ gravity + top, 0.0)
+        pool = np.full(len(points), self._pools[0])
+        for body, k in zip(self._scene.fluid.bodies[1:], self._pools[1:], strict=True):
+            pool[contains(body, points)] = k
+        return self._scene.fluid.density * np.maximum(points @ self._gravity + self._top(pool), 0.0)
 
 
-def _surface(body, gravity: np.ndarray) -> float:
-    """Largest of −g·x [m²/s²] over a body of water."""
-    return float(np.max(-outline(body).reshape(-1, 2) @ gravity))
-
-
-def _chains(scene: Scene) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
-    """Nodes (n, 2) [m], links (m, 2) between them with the solid on the left, body and surface level of each node."""
-    gravity = np.array(scene.gravity)
-    nodes, links, owner, top = [], [], [], []
-    for index, water, place, wet in wet_links(scene):
-        for k in wet:
-            joined = links and links[-1][2] == (index, water.name, k - 1) and np.all(nodes[-1] == place[k])
-            if not joined:
+def _chains(scene: Scene, pool: list[int]) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
+    """Nodes (n, 2) [m], links (m, 2) between them with the solid on the left, body and pool of each node."""
+    nodes, links, owner, of_pool = [], [], [], []
+    for index, place, water in wet_links(scene):
+        touched = np.where(water == DRY, DRY, np.array(pool)[water])
+        touched = _upward(touched, float((place[-1] - place[0]) @ np.array(scene.gravity)))
+        for k in np.flatnonzero(touched != DRY):
+            if k == 0 or touched[k - 1] != touched[k]:
                 nodes.append(place[k])
             nodes.append(place[k + 1])
-            links.append((len(nodes) - 2, len(nodes) - 1, (index, water.name, k)))
+            links.append((len(nodes) - 2, len(nodes) - 1))
             added = len(nodes) - len(owner)
             owner += [index] * added
-            top += [_surface(water, gravity)] * added
-    pairs = np.array([link[:2] for link in links], dtype=np.int64)
-    return np.array(nodes), pairs, np.array(owner, dtype=np.int64), np.array(top)
+            of_pool += [touched[k]] * added
+    return np.array(nodes), np.array(links), np.array(owner, dtype=np.int64), np.array(of_pool)
+
+
+def _upward(touched: np.ndarray, fall: float) -> np.ndarray:
+    """Pools (m,) along a side, `DRY` where there is none: what lies above water is of its pool, for the level may
+    rise. `fall`: what gravity does along the side."""
+    climbing = touched if fall < 0.0 else touched[::-1]
+    for k in range(1, len(climbing) if fall != 0.0 else 0):
+        if climbing[k] == DRY:
+            climbing[k] = climbing[k - 1]
+    return touched

@@ -11,11 +11,11 @@ import numpy as np
 
 from shared.geometry import contains, outline
 from shared.schema import Scene
-from shared.schema_fluid import FluidBody
 from shared.schema_geometry import Body
 
 _TOUCHING = 1e-6  # of dx: faces this near to each other touch
 _PARALLEL = 1e-9  # sine of the angle between faces that touch
+DRY = -1
 _BESIDE = 0.25  # of dx: a face is wet where there is water this far off it
 
 
@@ -58,9 +58,9 @@ def why_no_columns(scene: Scene, body: Body) -> str:
     )
 
 
-def wet_links(scene: Scene) -> Iterator[tuple[int, FluidBody, np.ndarray, np.ndarray]]:
-    """Per segment of a solid body's outline and fluid body beside it: the solid's number, the fluid body, the nodes
-    (n + 1, 2) [m] that cut the segment into links about dx long, and the numbers of the wet ones."""
+def wet_links(scene: Scene) -> Iterator[tuple[int, np.ndarray, np.ndarray]]:
+    """Per segment of a solid body's outline that has water beside it: the solid's number, the nodes (n + 1, 2) [m] that
+    cut the segment into links about dx long, and for each link the number of the fluid body beside it, or `DRY`."""
     dx = scene.fluid.dx
     for index, solid in enumerate(scene.solid.bodies if scene.solid else []):
         for start, end in outline(solid):
@@ -69,10 +69,11 @@ def wet_links(scene: Scene) -> Iterator[tuple[int, FluidBody, np.ndarray, np.nda
             nodes = start + (end - start) * np.linspace(0.0, 1.0, count + 1)[:, None]
             outward = np.array([(end - start)[1], -(end - start)[0]]) / length
             beside = 0.5 * (nodes[:-1] + nodes[1:]) + _BESIDE * dx * outward
-            for water in scene.fluid.bodies:
-                wet = np.flatnonzero(contains(water, beside))
-                if len(wet):
-                    yield index, water, nodes, wet
+            water = np.full(count, DRY)
+            for k, body in enumerate(scene.fluid.bodies):
+                water[contains(body, beside)] = k
+            if np.any(water != DRY):
+                yield index, nodes, water
 
 
 def _common(start, along, length: float, segments: np.ndarray, dx: float) -> list[tuple[float, float]]:
