@@ -95,13 +95,12 @@ def _run(scene: Scene, threads: dict[str, int], link: str, record: Record, last:
 
 @contextlib.contextmanager
 def _naming_the_way_on(run_dir: Path) -> Iterator[None]:
-    """A run that loses a side can go on from its last checkpoint, and its error says how."""
+    """A run that loses a side can go on from its last checkpoint, if it has one, and its error says how."""
     try:
         yield
     except ParticipantLost as error:
-        if way := way_on(run_dir):
-            raise ParticipantLost(f"{error}\n{way}") from error
-        raise
+        way = way_on(run_dir) or "there is no checkpoint yet to go on from: run it again from the start"
+        raise ParticipantLost(f"{error}\n{way}") from error
 
 
 def _sides(scene: Scene, threads: dict[str, int], link: str, run: str, record: Record):

@@ -21,7 +21,7 @@ RUN = "recorded"
 
 _HEAD = struct.Struct("<QI")
 _SUM = struct.Struct("<I")
-_BEFORE_WINDOWS = 2  # describe and start
+BEFORE_WINDOWS = 2  # describe and start
 
 
 def recording_of(run_dir: Path, side: str) -> Path:
@@ -42,7 +42,7 @@ class Recorder:
             self._file = path.open("r+b")
         except OSError as error:
             raise BadInput(f"The recording {path} cannot be gone on with ({error}). {AGAIN}") from error
-        for _ in range(_BEFORE_WINDOWS + windows):
+        for _ in range(BEFORE_WINDOWS + windows):
             if not _next(self._file):
                 raise BadInput(f"The recording {path} ends after {self._sequence} messages. {AGAIN}")
             self._sequence += 1

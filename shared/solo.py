@@ -14,7 +14,7 @@ from shared.clock import Clock
 from shared.contract import BadInput, Kinematics, Model, ParticipantLost, ShearwaterError
 from shared.participant import Participant, own_faces
 from shared.record import Record
-from shared.recording import RUN, messages, recording_of
+from shared.recording import BEFORE_WINDOWS, RUN, messages, recording_of
 from shared.results import new_run_directory
 from shared.resume import Unfinished
 from shared.schema import Scene
@@ -41,15 +41,19 @@ def run_alone(
 
     A fluid holds the solid bodies still; a structure has no fluid. `preflight`: what the record is to hold of it.
     """
-    if getattr(scene, side) is None:
-        other = "solid" if side == "fluid" else "fluid"
-        raise BadInput(f"scene {case!r} has no [{side}] table: run it with {other}-solver, or add the table")
+    _need_side(scene, case, side)
     scene = own_probes(scene, side)
     run_dir = new_run_directory(out, case)
     with Record(run_dir, scene, case, {side: threads}, quiet) as record:
         record.preflight |= preflight or {}
         _march(scene, side, factory, threads, record)
     return record
+
+
+def _need_side(scene: Scene, case: str, side: str) -> None:
+    if getattr(scene, side) is None:
+        other = "solid" if side == "fluid" else "fluid"
+        raise BadInput(f"scene {case!r} has no [{side}] table: run it with {other}-solver, or add the table")
 
 
 def resume_alone(cut: Unfinished, side: str, factory: Factory, threads: int | None, quiet: bool) -> Record:
@@ -77,11 +81,18 @@ def replay_alone(
     The frames and probes are those of that run, to the byte, unless the scene has been changed. Raises BadInput where
     the recording does not fit the scene, and ParticipantLost, with all replayed that there is, where it ends too soon.
     """
+    _need_side(scene, case, side)
     source = recording_of(recorded, side)
     told = messages(source)
-    first = next(told, None)
-    if first is None:
+    first = list(itertools.islice(told, BEFORE_WINDOWS))
+    if not first:
         raise BadInput(f"The recording {source} is empty.")
+    end = decode(first[-1]).info.get("end", scene.end_time)
+    if scene.end_time > end:
+        raise BadInput(
+            f"The recording {source} is of a run to end_time = {end:g} s; end_time = {scene.end_time:g} s is beyond "
+            "it. Replay it with the end_time of its run, or record a longer run."
+        )
     scene = own_probes(scene, side)
     run_dir = new_run_directory(out, case)
     with Record(run_dir, scene, case, {side: threads}, quiet) as record:
@@ -90,7 +101,7 @@ def replay_alone(
         participant = Participant(model, side, run_dir / f"{side}.vtkhdf", own_faces(scene, model))
         service = Service(participant, RUN)
         try:
-            for data in itertools.chain([first], told):
+            for data in itertools.chain(first, told):
                 reply = decode(service.handle(data))
                 if reply.verb == "error":
                     raise _refusal(reply, source)

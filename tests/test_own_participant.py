@@ -11,7 +11,7 @@ import pytest
 import coupler.run
 from coupler.cli import parse_programs
 from coupler.run import resume_coupled, run_coupled
-from shared.contract import BadInput
+from shared.contract import BadInput, ParticipantLost
 from shared.probes import ProbeTable, probe_units
 from shared.resume import unfinished
 from shared.scene import load_scene
@@ -52,6 +52,11 @@ def test_a_command_that_cannot_be_started_is_named(tmp_path):
     assert json.loads((tmp_path / "run" / "result.json").read_text())["status"] == "failed"
     with pytest.raises(BadInput, match="leave --link inprocess away"):
         piston(tmp_path / "other", link="inprocess", programs={"solid": SPRING})
+
+
+def test_a_side_that_ends_before_the_first_checkpoint_leaves_nothing_to_go_on_from(tmp_path):
+    with pytest.raises(ParticipantLost, match="there is no checkpoint yet to go on from: run it again from the start"):
+        piston(tmp_path / "run", programs={"solid": ["false"]})
 
 
 def test_a_command_is_taken_apart_as_by_a_shell():

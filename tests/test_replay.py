@@ -76,6 +76,19 @@ def test_what_cannot_be_replayed(recorded, tmp_path):
         replay_alone(other, "tiny", "fluid", FACTORIES["fluid"], tmp_path / "b", 1, True, run_dir)
 
 
+def test_a_replay_beyond_its_recording_is_refused_before_it_begins(recorded, tmp_path):
+    run_dir, _ = recorded
+    longer = load_scene(run_dir / "case.toml", ["end_time=0.02"])
+    with pytest.raises(BadInput, match=r"a run to end_time = 0\.01 s; end_time = 0\.02 s is beyond it"):
+        replay_alone(longer, "tiny", "fluid", FACTORIES["fluid"], tmp_path / "run", 1, True, run_dir)
+    assert not (tmp_path / "run").exists()
+
+
+def test_a_scene_without_the_side_cannot_be_replayed(tmp_path):
+    with pytest.raises(BadInput, match=r"no \[solid\] table: run it with fluid-solver"):
+        replay_alone(load_scene("dam_break"), "dam_break", "solid", FACTORIES["solid"], tmp_path, 1, True, tmp_path)
+
+
 @pytest.mark.parametrize("place", [3, 9, 14, 20, 0.5])
 def test_a_changed_byte_is_told_from_a_cut(recorded, tmp_path, place):
     """In the length, in the sums, in the first message, and in the middle of the loads."""
