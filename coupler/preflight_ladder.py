@@ -18,6 +18,7 @@ from coupler.preflight_error_solid import PHASE, not_bounded
 from coupler.preflight_finding import PARTICLE_FLUIDS, STEADY
 from coupler.preflight_numbers import Numbers, scene_numbers
 from coupler.preflight_plate import goals_probe
+from coupler.preflight_rules import findings
 from coupler.preflight_rules_joint import helmholtz
 from coupler.preflight_variations import coupled, dampings, fits, has_particles, refined, with_models
 from coupler.preflight_water import measure_water
@@ -149,8 +150,8 @@ def _judged(scene: Scene, fluid: str | None, solid: str | None, sets: tuple[str,
             reason = _unable(scene, numbers, worst)
         else:
             reason = f"bound {_percent(error)} above the goal's {_percent(goal)}, most of it by {worst}"
-    elif mistake := _mistake(scene):  # as a run would find at its start
-        standing, reason = "cannot", mistake
+    elif wrong := _mistake(scene) or _refusal(scene, numbers):  # as a run would find at its start
+        standing, reason = "cannot", wrong
     return Rung(fluid, solid, standing, reason, scene, sets, error, parts, predicted_cost(scene, numbers))
 
 
@@ -211,6 +212,12 @@ def _cannot(scene: Scene, side: str, model: str | None) -> str:
 def _mistake(scene: Scene) -> str:
     """The first mistake of a scene, in one line; empty without."""
     return next((mistake.replace("\n", " ") for mistake in check_scene(scene)), "")
+
+
+def _refusal(scene: Scene, n: Numbers) -> str:
+    """The first of pre-flight's own refusals; empty without."""
+    refused = (found for found in findings(scene, n) if found.verdict == "refuse")
+    return next((f"{found.rule} = {found.value:.3g}: {found.reason}" for found in refused), "")
 
 
 def _held_rigid(scene: Scene, n: Numbers) -> float:

@@ -90,6 +90,19 @@ def test_the_force_on_a_wall_is_nothing_that_resting_water_knows(tmp_path):
     assert smallest(ladder(on_it)).fluid == "still"
 
 
+def test_no_pair_is_named_that_a_run_would_refuse(tmp_path):
+    """The window that the scene asks for is too long for water that bears sound, not for water at rest."""
+    asked = ["coupling.window=0.05", "probes.push.body=window", "probes.push.quantity=force-x"]
+    rungs = ladder(scene_of(WINDOW, tmp_path, asked))
+    reasons = {rung.fluid: rung.reason for rung in rungs if rung.solid == "beam"}
+    assert "window α" in reasons["wcsph"]
+    assert smallest(rungs).fluid == "still"
+    text = WINDOW.replace(
+        'name = "push"', 'name = "p"\nquantity = "pressure"\npoint = [0.25, 0.1]\n[[probes]]\nname = "push"'
+    )
+    assert smallest(ladder(scene_of(text, tmp_path, ["coupling.window=0.05"]))) is None
+
+
 def test_columns_leave_the_force_on_a_wall_out(tmp_path):
     text = SPRUNG + '[[walls]]\nname = "bed"\npolyline = [[0.0, -1.0], [1.0, -1.0]]\n'
     text += '[[probes]]\nname = "bed"\nbody = "bed"\nquantity = "force-y"\n'
@@ -363,7 +376,7 @@ MEASURED = [
 
 
 @pytest.mark.parametrize(("text", "sets", "error"), MEASURED)
-def test_bounds_hold_what_was_measured(tmp_path, text, sets, error):
+def test_bounds_of_water_hold_what_was_measured(tmp_path, text, sets, error):
     """Bound at least the error, at most four times it or 0.3 %."""
     scene = scene_of(text, tmp_path, sets) if "\n" in text else load_scene(text, sets)
     assert error <= error_bound(scene, scene_numbers(scene)) <= max(4.0 * error, 0.003)
