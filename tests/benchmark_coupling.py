@@ -133,7 +133,7 @@ def run_row(row: Row, table: dict, runs: Path, threads: dict[str, int]) -> dict[
     """The table's cells."""
     result, folder = result_of(row, runs, threads), directory_of(row, runs)
     cells = {"demand": row.demand, "case": row.case, "settings": " ".join(f"--set {shlex.quote(s)}" for s in row.sets)}
-    if result["status"] == "failed" and (not row.breaks or row.breaks not in result["reason"]):
+    if result["status"] != "finished" and (not row.breaks or row.breaks not in result["reason"]):
         return cells | {"found": result["reason"].split(". ")[0][:120], "verdict": MISSED}
     found, word = figure(row, result, folder)
     kept = row.most is None or found <= row.most
