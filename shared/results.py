@@ -99,10 +99,8 @@ def make_result(
 ) -> dict[str, Any]:
     """The content of result.json, for a coupled run and for one side alone.
 
-    `case_text`: the run's case.toml, whose digest is `case_hash`. `cost`: wall_s, core_s, and what is known of
-    fluid, solid and coupling. Every documented key is there; what a run does not have (the other side, the
-    coupling, the ledger of a side alone) is None. A fluid of particles also has in `cost.fluid` what has left the
-    domain since t = 0: `lost`, a number of particles, `lost_fraction`, and `lost_near` [m] where one of the first did.
+    Its keys are in cases/RESULT.md; all are there, and None what a run does not have. `case_text`: the run's case.toml,
+    whose digest is `case_hash`. `cost`: wall_s, core_s, and what is known of fluid, solid and coupling.
     """
     return {
         "schema": RESULT_SCHEMA,

@@ -3,8 +3,10 @@
 import json
 import math
 import os
+import re
 import subprocess
 import sys
+from importlib.resources import files
 from pathlib import Path
 from types import SimpleNamespace
 
@@ -13,10 +15,14 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from coupler.cli import conclude_coupled
+from coupler.preflight import preflight
+from coupler.run import run_coupled
 from shared.commands import conclude
 from shared.contract import BadInput, ShearwaterError
 from shared.probes import UNITS, ProbeTable, compare, probe_units, read_probes
-from shared.results import environment, make_result, new_run_directory, write_result
+from shared.results import environment, make_result, new_run_directory, read_result, write_result
+from shared.scene import load_scene
 from shared.schema import Scene
 from shared.schema_probes import Quantity
 from shared.statistics import relative_error, statistic
@@ -278,7 +284,7 @@ def test_result_has_every_documented_key(tmp_path):
     )
     for found in (alone, coupled):
         assert list(found) == [
-            *("schema", "case", "case_hash", "status", "reason", "t_end", "probes", "references"),
+            *("schema", "case", "case_hash", "status", "reason", "t_end", "probes", "references", "goal"),
             *("cost", "ledger", "preflight", "environment"),
         ]
         assert list(found["cost"]) == ["wall_s", "core_s", "fluid", "solid", "coupling"]
@@ -288,6 +294,29 @@ def test_result_has_every_documented_key(tmp_path):
     assert coupled["cost"]["fluid"] == SIDE
     assert coupled["cost"]["coupling"]["wait_s"] is None
     assert coupled["case_hash"] == alone["case_hash"]
+
+
+def keys_of(value, path=""):
+    """Paths of a result's values, as cases/RESULT.md writes them; pre-flight's and the environment's to one level."""
+    if isinstance(value, list) and value and path == "references":
+        return keys_of(value[0], "references[]")
+    if not isinstance(value, dict) or (path.count(".") and path.startswith(("preflight", "environment"))):
+        return {path}
+    name = {"probes": lambda key: "NAME", "cost": lambda key: "SIDE" if key in ("fluid", "solid") else key}
+    steps = {name.get(path, str)(key): inner for key, inner in value.items()}
+    return set().union(*(keys_of(inner, f"{path}.{key}".lstrip(".")) for key, inner in steps.items()))
+
+
+def test_every_key_of_a_run_is_documented_and_no_other(tmp_path):
+    run = load_scene("piston", ["end_time=0.01"])
+    record = run_coupled(
+        run, "piston", tmp_path / "run", {"fluid": 1, "solid": 1}, True, "inprocess", preflight(run).as_dict()
+    )
+    conclude_coupled(record, run, True)
+    rows = [line.split("|")[1] for line in (files("cases") / "RESULT.md").read_text().splitlines() if "| `" in line]
+    documented = {key for row in rows for key in re.findall("`([^`]+)`", row)}
+    lost = {f"cost.fluid.{key}" for key in ("lost", "lost_fraction", "lost_near")}  # of particles alone
+    assert keys_of(read_result(tmp_path / "run")) == documented - lost
 
 
 @pytest.mark.parametrize("quiet", [False, True])
