@@ -14,7 +14,7 @@ from coupler.preflight_afloat import afloat
 from coupler.preflight_cost import Cost, predicted_cost
 from coupler.preflight_error import Parts, error_parts
 from coupler.preflight_error_flow import MOTIONS
-from coupler.preflight_error_solid import PHASE, not_bounded
+from coupler.preflight_error_solid import PHASE, SWING, not_bounded
 from coupler.preflight_finding import PARTICLE_FLUIDS, STEADY
 from coupler.preflight_numbers import Numbers, scene_numbers
 from coupler.preflight_plate import goals_probe
@@ -150,6 +150,7 @@ def _judged(scene: Scene, fluid: str | None, solid: str | None, sets: tuple[str,
             reason = _unable(scene, numbers, worst)
         else:
             reason = f"bound {_percent(error)} above the goal's {_percent(goal)}, most of it by {worst}"
+            reason += ", which a longer end_time averages out" if worst == SWING else ""
     elif wrong := _mistake(scene) or _refusal(scene, numbers):  # as a run would find at its start
         standing, reason = "cannot", wrong
     return Rung(fluid, solid, standing, reason, scene, sets, error, parts, predicted_cost(scene, numbers))
