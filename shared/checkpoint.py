@@ -29,6 +29,7 @@ import numpy as np
 
 from shared.contract import BadInput, ShearwaterError
 from shared.plain import plain
+from shared.unwritable import cannot_write
 
 State = dict[str, np.ndarray]
 """Named arrays; a name may be a path like "loads/0/force"."""
@@ -125,7 +126,8 @@ class Checkpoints:
             for other in self._root.glob("window-*"):
                 if other.name >= folder.name:
                     shutil.rmtree(other)
-            folder.mkdir(parents=True)
+            self._root.mkdir(exist_ok=True)
+            folder.mkdir()
         except OSError as error:
             raise _cannot_write(folder, error) from error
         return folder
@@ -239,7 +241,4 @@ def _sum(manifest: Mapping[str, Any]) -> str:
 
 
 def _cannot_write(path: Path, error: OSError) -> ShearwaterError:
-    return ShearwaterError(
-        f"The checkpoint {path} cannot be written ({error}). The disk may be full or the folder not writable: free "
-        "some space, choose another place with --out DIR, or do without: --set output.checkpoint_every=0."
-    )
+    return cannot_write("The checkpoint", path, error, ", do without (--set output.checkpoint_every=0)")

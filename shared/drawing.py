@@ -8,7 +8,7 @@ import numpy as np
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 
-from shared.contract import ShearwaterError
+from shared.unwritable import cannot_write
 
 INK = "0.15"
 FAINT = "0.55"
@@ -58,8 +58,5 @@ def save(figure: Figure, path: Path) -> Path:
     try:
         figure.savefig(path)
     except OSError as error:
-        raise ShearwaterError(
-            f"The picture {path} cannot be written ({error}). The disk may be full or the folder not writable: "
-            f"free some space or choose another place with --out DIR."
-        ) from error
+        raise cannot_write("The picture", path, error) from error
     return path

@@ -17,6 +17,7 @@ from shared.lines import Lines
 from shared.schema import Scene
 from shared.schema_probes import Reference
 from shared.statistics import Interval, finite, relative_error, statistic
+from shared.unwritable import cannot_write
 
 UNITS = {
     "displacement-x": "m",
@@ -142,10 +143,7 @@ class ProbeTable:
             raise self._cannot_write(error) from error
 
     def _cannot_write(self, error: OSError) -> ShearwaterError:
-        return ShearwaterError(
-            f"Probes cannot be written to {self.path} ({error}). The disk may be full or the folder not writable: "
-            f"free some space or choose another place with --out DIR."
-        )
+        return cannot_write("The table of probes", self.path, error)
 
 
 def read_probes(path: str | Path) -> tuple[np.ndarray, dict[str, np.ndarray]]:

@@ -16,10 +16,11 @@ from pathlib import Path
 from typing import Any
 
 from shared import jit
-from shared.contract import BadInput, ShearwaterError
+from shared.contract import BadInput
 from shared.plain import plain
 from shared.probes import ProbeTable, compare, goal_value
 from shared.schema import Scene
+from shared.unwritable import cannot_write
 
 RESULT_SCHEMA = 1
 
@@ -165,10 +166,7 @@ def write_result(run_dir: Path, result: Mapping[str, Any]) -> Path:
             os.fsync(file.fileno())
         os.replace(unfinished, path)
     except OSError as error:
-        raise ShearwaterError(
-            f"{path} cannot be written ({error}). The disk may be full or the folder not writable: free some space "
-            f"or choose another place with --out DIR."
-        ) from error
+        raise cannot_write("The result", path, error) from error
     return path
 
 

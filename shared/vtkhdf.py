@@ -28,6 +28,7 @@ import h5py
 import numpy as np
 
 from shared.contract import BadInput, Frame, ShearwaterError
+from shared.unwritable import cannot_write
 
 _VERSION = (2, 0)
 _TOPOLOGIES = ("Vertices", "Lines", "Strips", "Polygons")
@@ -268,7 +269,4 @@ def _cannot_go_on(path: Path, error: Exception) -> BadInput:
 
 
 def _cannot_write(path: Path, error: Exception) -> ShearwaterError:
-    return ShearwaterError(
-        f"Frames cannot be written to {path} ({error}). The disk may be full or the folder not writable: "
-        f"free some space, ask for fewer frames (--set output.frames=10), or choose another place with --out DIR."
-    )
+    return cannot_write("The file of frames", path, error, ", ask for fewer frames (--set output.frames=10)")

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import os
+import shutil
 import subprocess
 import sys
 import threading
@@ -101,6 +102,22 @@ def test_a_process_counts_once(tmp_path):
     cost = run_coupled(piston(OFTEN), "piston", tmp_path / "run", ONE, True, "inprocess").result["cost"]
     assert 0.0 < cost["coupling"]["core_s"] <= time.process_time() - begun
     assert cost["core_s"] <= time.process_time()
+
+
+def test_a_run_whose_directory_is_removed_does_not_blame_the_disk(tmp_path, monkeypatch):
+    given = (piston(OFTEN), "piston", tmp_path / "run", ONE, True, "inprocess")
+    calls, inner = iter(range(5)), coupler.run.probes
+
+    def removing(c):
+        if next(calls, None) is None:
+            shutil.rmtree(tmp_path / "run", ignore_errors=True)
+        return inner(c)
+
+    monkeypatch.setattr(coupler.run, "probes", removing)
+    with pytest.raises(ShearwaterError, match=r"run is gone, removed or moved after the run began") as error:
+        run_coupled(*given)
+    assert "disk" not in str(error.value)
+    assert not (tmp_path / "run").exists()
 
 
 def test_what_was_lost_before_a_break_counts_in_the_end(tmp_path, monkeypatch):
