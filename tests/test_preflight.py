@@ -363,9 +363,8 @@ def test_models_auto_asks_before_it_takes_hours(command, tmp_path):
 
 def test_models_auto_heeds_refusals_of_one_side(command, tmp_path):
     sets = ("--set", "goal.error=1e-12", "--set", "solid.courant=0.9", "--set", "end_time=0.01")
-    code, _, errors = command("run", "spinning_square", "--models", "auto", *sets, "--out", "run")
+    code, *_ = command("run", "spinning_square", "--models", "auto", *sets, "--out", "run")
     assert code == 2
-    assert "Courant, solid" in errors
     assert not (tmp_path / "run").exists()
 
 
