@@ -139,6 +139,7 @@ def test_limits_of_the_ledger_may_be_without_measure(scene_file):
 
 
 MOTION = "solid.motion={ times = [0, 1], translation = [[0, 0], [0, 0.1]] }"
+TOUCHING = ("solid.bodies.plate.rectangle=[0.5, 0, 0.55, 0.3]", "probes.tip.point=[0.5, 0.3]")
 NO_SPEED = ("gravity=[0, 0]",)
 
 
@@ -149,7 +150,7 @@ NO_SPEED = ("gravity=[0, 0]",)
         ((*NO_SPEED, "fluid.model=ctvf"), False),
         ((*NO_SPEED, "solid.model=rigid", "solid.clamps=[]", MOTION), True),
         ((*NO_SPEED, "fluid.sound_speed=10.0"), True),
-        ((*NO_SPEED, "fluid.model=still"), True),
+        ((*NO_SPEED, "fluid.model=still", *TOUCHING), True),
         ((*NO_SPEED, "fluid.bodies.water.velocity=[0.1, 0]"), True),
         ((*NO_SPEED, "walls.tank.motion={ times = [0, 1], translation = [[0, 0], [0, 0.1]] }"), True),
         ((*NO_SPEED, "walls.tank.motion={ times = [0, 1], translation = [[0, 0], [0, 0]] }"), False),
@@ -164,8 +165,7 @@ def test_the_automatic_sound_speed_needs_something_that_tells_it(scene_file, set
 
 
 def test_touching_is_no_overlap(scene_file):
-    touching = "solid.bodies.plate.rectangle=[0.5, 0, 0.55, 0.3]"
-    assert load_scene(scene_file(), [touching, "probes.tip.point=[0.5, 0.3]"]).solid.bodies[0].rectangle[0] == 0.5
+    assert load_scene(scene_file(), TOUCHING).solid.bodies[0].rectangle[0] == 0.5
 
 
 def test_bodies_that_cover_each_other_are_found_both_ways(scene_file):
