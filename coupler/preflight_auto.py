@@ -3,11 +3,10 @@
 from __future__ import annotations
 
 from coupler.preflight import Preflight
+from coupler.preflight_ladder import LONGEST
 from coupler.preflight_table import near_miss_line
 from shared.contract import BadInput
 from shared.schema import Scene
-
-LONGEST = 3600.0  # core-seconds, on the table's machine
 
 
 def chosen(report: Preflight, force: bool) -> Scene:

@@ -38,6 +38,8 @@ REFINEMENTS = (2.0, 1.5, 1.25, 1.0, 0.8, 2 / 3, 0.5, 0.4, 1 / 3, 0.25, 0.2, 1 / 
 """Spacings tried, over the scene's own."""
 
 NEAR, DEAR = 1.5, 10.0  # bound over the goal's error, and cost over its own, that make a near miss worth naming
+LONGEST = 3600.0
+"""Core-seconds, on the table's machine, that are not begun unless asked for."""
 _RIGID_SHARE = 10.0  # error of the flow per deflection over depth, when an elastic body is held rigid
 
 
@@ -131,9 +133,18 @@ def _rung(scene: Scene, fluid: str | None, solid: str | None, why: str) -> Rung:
             judged.append(_judged(joined, fluid, solid, (*sets, *coupling, *spacing, *damping)))
         enough = [rung for rung in judged if rung.standing == "enough"]
         if enough:
-            return min(enough, key=lambda rung: rung.cost.core_s)
+            judged = [_startable(min(enough, key=lambda rung: rung.cost.core_s))]
+            if judged[0].standing == "enough":
+                return judged[0]
         best = min([*judged, best] if best else judged, key=lambda rung: rung.error)
     return best
+
+
+def _startable(rung: Rung) -> Rung:
+    """The rung, if a run of it would find no mistake as it starts. What takes hours is not looked at: laying its
+    particles takes long too."""
+    wrong = _mistake(rung.scene) if rung.cost.core_s < LONGEST else ""
+    return _replace(rung, standing="cannot", reason=wrong) if wrong else rung
 
 
 def _judged(scene: Scene, fluid: str | None, solid: str | None, sets: tuple[str, ...]) -> Rung:
@@ -151,7 +162,7 @@ def _judged(scene: Scene, fluid: str | None, solid: str | None, sets: tuple[str,
         else:
             reason = f"bound {_percent(error)} above the goal's {_percent(goal)}, most of it by {worst}"
             reason += ", which a longer end_time averages out" if worst == SWING else ""
-    elif wrong := _mistake(scene) or _refusal(scene, numbers):  # as a run would find at its start
+    elif wrong := _refusal(scene, numbers):
         standing, reason = "cannot", wrong
     return Rung(fluid, solid, standing, reason, scene, sets, error, parts, predicted_cost(scene, numbers))
 
