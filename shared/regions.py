@@ -10,6 +10,7 @@ right and top edges do not, so that touching regions share no point and leave no
 from __future__ import annotations
 
 import math
+from functools import lru_cache
 
 import numpy as np
 
@@ -115,8 +116,14 @@ def outline_own(shape: Shape) -> np.ndarray:
         return _ring(np.asarray(shape.circle.centre) + shape.circle.radius * np.c_[np.cos(angle), np.sin(angle)])
     if shape.polygon is not None:
         return _polygon_edges(shape.polygon)
-    parts = shape.union or shape.difference
-    return _clip(shape, np.concatenate([outline(part) for part in parts]))
+    return _joined(shape.model_dump_json(include={"union", "difference"})).copy()
+
+
+@lru_cache(maxsize=64)
+def _joined(described: str) -> np.ndarray:
+    """Outline of a union or difference, from its JSON: a scene's are asked for hundreds of times."""
+    shape = Shape.model_validate_json(described)
+    return _clip(shape, np.concatenate([outline(part) for part in shape.union or shape.difference]))
 
 
 def _contains_own(shape: Shape, points: np.ndarray) -> np.ndarray:
