@@ -7,7 +7,8 @@ import math
 import numpy as np
 
 from coupler.preflight_plate import Plate
-from coupler.preflight_shapes import area, outline
+from coupler.preflight_shapes import area
+from shared.geometry import area_below, outline
 from shared.schema import Scene
 
 AFLOAT = 0.03  # weight of the water that a body's motion moves, over its springs' force
@@ -48,19 +49,11 @@ def to_equilibrium(scene: Scene, name: str) -> float:
     weight = scene.solid.density * area(body) * ((g if scene.solid.gravity else 0.0) - push)
     held = sum(k * part**2 for k, part in zip(scene.solid.spring.stiffness, up, strict=False))
     stiffness = rho * g * wide / max(1.0 - wide / tank, 1e-9) + held
-    return float(abs(rho * g * _below(sides, level) - weight) / stiffness) if stiffness > 0.0 else math.inf
-
-
-def _below(sides: np.ndarray, level: float) -> float:
-    """Area [m²] below a level of what the segments (k, 2, 2), directed with the inside on the left, go round."""
-    total = 0.0
-    for (x0, y0), (x1, y1) in sides:
-        cuts = [0.0, 1.0]
-        if (y0 - level) * (y1 - level) < 0.0:
-            cuts.insert(1, (level - y0) / (y1 - y0))
-        x, y = np.interp(cuts, [0, 1], [x0, x1]), np.minimum(np.interp(cuts, [0, 1], [y0, y1]), level) - level
-        total -= float(np.sum(0.5 * (y[1:] + y[:-1]) * np.diff(x)))
-    return total
+    return (
+        float(abs(rho * g * area_below(sides[:, 0], sides[:, 1], level) - weight) / stiffness)
+        if stiffness > 0.0
+        else math.inf
+    )
 
 
 def _width(sides: np.ndarray, level: float) -> float:

@@ -43,7 +43,7 @@ from coupler.preflight_finding import COLUMN, PARTICLE_FLUIDS, STEADY, of_partic
 from coupler.preflight_numbers import Numbers
 from coupler.preflight_plate import goals_probe, of_a_body
 from coupler.preflight_rules_joint import HELMHOLTZ_REFUSE
-from coupler.preflight_shapes import outline
+from shared.geometry import outline
 from shared.schema import Scene
 from shared.schema_probes import Probe
 from shared.schema_solid import RIGID_MODELS

@@ -14,8 +14,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from coupler.preflight_plate import Plate, lengthwise, levels_before, measure_plate
-from coupler.preflight_shapes import outline
 from coupler.preflight_water import Water, measure_water
+from shared.geometry import outline
 from shared.regions import axes_of
 from shared.schema import Scene
 from shared.schema_geometry import Body

@@ -7,9 +7,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from coupler.preflight_shapes import area, outline, own_box
+from coupler.preflight_shapes import area
 from coupler.preflight_water import UPWARD, Water, edge_samples
-from shared.geometry import contains
+from shared.geometry import contains, outline, own_box
 from shared.regions import axes_of
 from shared.scene_models import FORCES
 from shared.schema import Scene

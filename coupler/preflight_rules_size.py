@@ -8,7 +8,8 @@ import numpy as np
 
 from coupler.preflight_finding import Finding, above, of_particles
 from coupler.preflight_numbers import Numbers
-from coupler.preflight_shapes import excess, own_box
+from coupler.preflight_shapes import excess
+from shared.geometry import own_box
 from shared.schema import Scene
 
 AREA_WARN = 0.02  # of a body's area that its particles hold too much or too little

@@ -7,10 +7,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from coupler.preflight_shapes import area, outline
+from coupler.preflight_shapes import area
 from shared.expected_speed import drifts, driven_speed, expected_speed, start_speed
 from shared.fluid_step import COURANT, fluid_step
-from shared.geometry import contains, distance_to
+from shared.geometry import contains, distance_to, outline
 from shared.kernels import kernel_named
 from shared.schema import Scene
 from shared.wall_chains import lengths_of, segments_of

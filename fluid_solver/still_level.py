@@ -11,7 +11,7 @@ import numpy as np
 from scipy.optimize import brentq
 
 from shared.contract import SolverFailed
-from shared.geometry import contains, outline
+from shared.geometry import area_below, contains, outline
 from shared.schema_geometry import Body
 
 _BESIDE = 1e-3  # of a side: bodies touch where one holds a point this far off the other's
@@ -57,7 +57,7 @@ class Level:
         start, end = (np.concatenate(ends) for ends in zip(*ways, strict=True))
 
         def missing(level: float) -> float:
-            return self._full - self._held(level) - below(start, end, level)
+            return self._full - self._held(level) - area_below(start, end, level)
 
         reach = _FIRST_REACH * self._extent
         while not missing(near - reach) >= 0.0 >= missing(near + reach):
@@ -71,12 +71,4 @@ class Level:
 
     def _held(self, level: float) -> float:
         """Area [m²] of the pool below `level` within the faces as they stood at first."""
-        return below(self._edges[:, 0], self._edges[:, 1], level) + max(level - self.first, 0.0) * self._width
-
-
-def below(start: np.ndarray, end: np.ndarray, level: float) -> float:
-    """Σ ∫ y dz over straight ways from `start` to `end` (k, 2), y and z, as far as they lie below z = `level`."""
-    (y0, z0), (y1, z1) = start.T, end.T
-    slope = np.divide(y1 - y0, z1 - z0, out=np.zeros_like(y0), where=z1 != z0)
-    a, b = np.minimum(z0, level), np.minimum(z1, level)
-    return float(np.sum((b - a) * (y0 + slope * (0.5 * (a + b) - z0))))
+        return area_below(self._edges[:, 0], self._edges[:, 1], level) + max(level - self.first, 0.0) * self._width

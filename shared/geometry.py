@@ -14,7 +14,7 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.spatial import cKDTree
 
-from shared.regions import area, axes_of, contains, distance_to, faces, outline, own_box, turn
+from shared.regions import area, area_below, axes_of, contains, distance_to, faces, outline, own_box, turn
 from shared.schema_fluid import Wall
 from shared.schema_geometry import Shape
 from shared.wall_chains import Chain, chains
@@ -22,6 +22,7 @@ from shared.wall_chains import Chain, chains
 __all__ = [
     "Particles",
     "area",
+    "area_below",
     "contains",
     "distance_to",
     "faces",

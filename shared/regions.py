@@ -71,6 +71,15 @@ def area(shape: Shape) -> float:
     return float(0.5 * np.sum(x0 * y1 - x1 * y0))
 
 
+def area_below(start: np.ndarray, end: np.ndarray, level: float) -> float:
+    """Σ ∫ y dz [m²] over straight ways from `start` to `end` (k, 2), y across and z up [m], as far as they lie below
+    z = `level`: the area below it of what they go round with the inside on the left (Green's theorem)."""
+    (y0, z0), (y1, z1) = start.T, end.T
+    slope = np.divide(y1 - y0, z1 - z0, out=np.zeros_like(y0), where=z1 != z0)
+    a, b = np.minimum(z0, level), np.minimum(z1, level)
+    return float(np.sum((b - a) * (y0 + slope * (0.5 * (a + b) - z0))))
+
+
 def distance_to(segments: np.ndarray, points: np.ndarray) -> np.ndarray:
     """Unsigned distance (m,) [m] from each of `points` (m, 2) to the nearest of `segments` (k, 2, 2)."""
     points = np.asarray(points, dtype=float)
@@ -106,8 +115,28 @@ def turn(points: np.ndarray, rotation: Rotation | None, backward: bool = False) 
     return (points - about) @ (axes.T if backward else axes) + about
 
 
+class Same:
+    """A shape known by identity, for what is worked out once: shapes never change, and variants of a scene share them,
+    but a list in one keeps it from being hashed."""
+
+    def __init__(self, shape: Shape):
+        self.shape = shape
+
+    def __hash__(self) -> int:
+        return id(self.shape)
+
+    def __eq__(self, other: object) -> bool:
+        return isinstance(other, Same) and other.shape is self.shape
+
+
 def outline_own(shape: Shape) -> np.ndarray:
     """`outline` in the shape's own frame."""
+    return _outline_own(Same(shape)).copy()
+
+
+@lru_cache(maxsize=512)
+def _outline_own(same: Same) -> np.ndarray:
+    shape = same.shape
     if shape.rectangle is not None:
         x0, y0, x1, y1 = shape.rectangle
         return _ring([(x0, y0), (x1, y0), (x1, y1), (x0, y1)])
@@ -116,14 +145,8 @@ def outline_own(shape: Shape) -> np.ndarray:
         return _ring(np.asarray(shape.circle.centre) + shape.circle.radius * np.c_[np.cos(angle), np.sin(angle)])
     if shape.polygon is not None:
         return _polygon_edges(shape.polygon)
-    return _joined(shape.model_dump_json(include={"union", "difference"})).copy()
-
-
-@lru_cache(maxsize=64)
-def _joined(described: str) -> np.ndarray:
-    """Outline of a union or difference, from its JSON: a scene's are asked for hundreds of times."""
-    shape = Shape.model_validate_json(described)
-    return _clip(shape, np.concatenate([outline(part) for part in shape.union or shape.difference]))
+    parts = shape.union or shape.difference
+    return _clip(shape, np.concatenate([outline(part) for part in parts]))
 
 
 def _contains_own(shape: Shape, points: np.ndarray) -> np.ndarray:
