@@ -17,7 +17,7 @@ import numpy as np
 
 from coupler.chart_outcome import missing, of_other_code
 from coupler.chart_runs import run_variants, was_alone
-from coupler.chart_truth import find_truth, goal_value, known_truth, spread
+from coupler.chart_truth import charted_value, find_truth, known_truth, spread
 from coupler.chart_variants import Variant, study_variants
 from coupler.preflight_cost import Cost, calibrate, predicted_cost
 from coupler.preflight_error import error_bound
@@ -88,7 +88,7 @@ def make_chart(
     scene, runs = variants[0].scene, output_folder(folder) / "runs"
     known_truth(scene)
     results = run_variants(case, variants, runs, jobs, say, scheduler)
-    values = [goal_value(v, r, runs / v.folder) for v, r in zip(variants, results, strict=True)]
+    values = [charted_value(v, r, runs / v.folder) for v, r in zip(variants, results, strict=True)]
     absent = missing(variants, results, values, runs)
     if len(absent) == len(variants) and scene.study.truth is None:
         raise BadInput("no variant has a value, so there is nothing to chart\n" + "\n".join(f"  {a}" for a in absent))

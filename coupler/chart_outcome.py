@@ -7,7 +7,7 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
-from coupler.chart_truth import goal_value
+from coupler.chart_truth import charted_value
 from coupler.chart_variants import Variant
 from shared.contract import BadInput
 from shared.results import environment, read_result
@@ -24,7 +24,7 @@ def kept(variant: Variant, run_dir: Path) -> Result | None:
     can be read, or where the machine was at fault."""
     try:
         result = read_result(run_dir)
-        goal_value(variant, result, run_dir)
+        charted_value(variant, result, run_dir)
     except BadInput:
         return None
     return result if result["status"] in ("finished", "failed") else None

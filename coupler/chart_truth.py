@@ -7,13 +7,13 @@ from typing import Any
 
 from coupler.chart_variants import Variant
 from shared.contract import BadInput
-from shared.probes import read_probes, reference_curve
+from shared.probes import goal_interval, goal_references, goal_value, read_probes, reference_curve
 from shared.schema import Scene
 from shared.schema_probes import Reference
-from shared.statistics import Interval, relative_error, statistic
+from shared.statistics import relative_error, statistic
 
 
-def goal_value(variant: Variant, result: dict[str, Any], run_dir: Path) -> float | None:
+def charted_value(variant: Variant, result: dict[str, Any], run_dir: Path) -> float | None:
     """The goal's statistic of the goal's probe in a finished run. Raises BadInput where its probes cannot be read."""
     if result["status"] != "finished":
         return None
@@ -22,10 +22,7 @@ def goal_value(variant: Variant, result: dict[str, Any], run_dir: Path) -> float
     time, histories = read_probes(path)
     if scene.goal.probe not in histories or len(time) == 0:
         raise BadInput(f"{path} holds no history of {scene.goal.probe}: remove its run, and run it again")
-    between = _interval(scene)
-    if between is None and scene.goal.statistic == "mean":
-        between = (scene.output.average_from, float(time[-1]))
-    return statistic(scene.goal.statistic, time, histories[scene.goal.probe], between)
+    return goal_value(scene, time, histories[scene.goal.probe])
 
 
 def known_truth(scene: Scene) -> float | None:
@@ -33,7 +30,7 @@ def known_truth(scene: Scene) -> float | None:
     BadInput."""
     if scene.study.truth is None:
         return None
-    known = {r.name: _known(r) for r in _references(scene)}
+    known = {r.name: _known(r) for r in goal_references(scene)}
     if known.get(scene.study.truth) is None:
         there = ", ".join(repr(name) for name, value in known.items() if value is not None) or "none"
         raise BadInput(
@@ -54,19 +51,8 @@ def find_truth(scene: Scene, variants, values) -> tuple[str, float, Variant | No
 
 def spread(scene: Scene, truth: float, name: str) -> dict[str, float]:
     """Relative deviations from the truth of what others found over the same interval."""
-    others = {r.name: _known(r) for r in _references(scene) if r.name != name and r.between == _interval(scene)}
+    others = {r.name: _known(r) for r in goal_references(scene) if r.name != name and r.between == goal_interval(scene)}
     return {name: relative_error(value, truth) for name, value in others.items() if value is not None}
-
-
-def _references(scene: Scene) -> list[Reference]:
-    """The scene's references of the goal's probe and statistic."""
-    return [r for r in scene.references if (r.probe, r.statistic) == (scene.goal.probe, scene.goal.statistic)]
-
-
-def _interval(scene: Scene) -> Interval | None:
-    """The interval of the truth's reference; of the first one where the finest run is the truth."""
-    known = [r for r in _references(scene) if scene.study.truth in (None, r.name)]
-    return known[0].between if known else None
 
 
 def _known(reference: Reference) -> float | None:

@@ -189,14 +189,26 @@ def compare(scene: Scene, table: ProbeTable) -> list[dict[str, Any]]:
     return rows
 
 
-def goal_value(scene: Scene, table: ProbeTable) -> float | None:
-    """The goal's statistic of its probe, over the interval of its first reference; None where the run has none."""
-    goal, (time, values) = scene.goal, finite(table.time, table.values(scene.goal.probe))
-    same = (r.between for r in scene.references if (r.probe, r.statistic) == (goal.probe, goal.statistic))
+def goal_value(scene: Scene, time: np.ndarray, values: np.ndarray) -> float | None:
+    """The goal's statistic of the history (n,) of its probe, over the interval that it is judged by, or else, of a
+    mean, from output.average_from on; None where there is none."""
+    goal, (time, values) = scene.goal, finite(time, values)
     if len(time) == 0:
         return None
     start = scene.output.average_from if goal.statistic == "mean" else float(time[0])
-    return _over(goal.statistic, time, values, next(same, None) or (start, float(time[-1])))
+    return _over(goal.statistic, time, values, goal_interval(scene) or (start, float(time[-1])))
+
+
+def goal_interval(scene: Scene) -> Interval | None:
+    """The interval of the study's truth for the goal, or of the goal's first reference; None where that names none."""
+    truth = scene.study.truth if scene.study is not None else None
+    known = (r for r in goal_references(scene) if truth in (None, r.name))
+    return next((r.between for r in known), None)
+
+
+def goal_references(scene: Scene) -> list[Reference]:
+    """The scene's references of the goal's probe and statistic."""
+    return [r for r in scene.references if (r.probe, r.statistic) == (scene.goal.probe, scene.goal.statistic)]
 
 
 def reference_curve(reference: Reference) -> np.ndarray:

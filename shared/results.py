@@ -112,7 +112,7 @@ def make_result(
         "t_end": t_end,
         "probes": table.summary(scene.output.average_from),
         "references": compare(scene, table),
-        "goal": None if scene.goal is None else {**scene.goal.model_dump(), "value": goal_value(scene, table)},
+        "goal": None if scene.goal is None else _goal(scene, table),
         "cost": {
             "wall_s": cost.get("wall_s"),
             "core_s": cost.get("core_s"),
@@ -146,6 +146,10 @@ def missed(result: Mapping[str, Any]) -> str:
     nothing = result["probes"][goal["probe"]]["final"] is None
     why = "its model has no such probe" if nothing else "what it is made of did not happen, or not in the time judged"
     return f"this run has no value of its goal, the {goal['statistic']} of {goal['probe']}: {why}."
+
+
+def _goal(scene: Scene, table: ProbeTable) -> dict[str, Any]:
+    return {**scene.goal.model_dump(), "value": goal_value(scene, table.time, table.values(scene.goal.probe))}
 
 
 def _complete(given: Mapping[str, Any] | None, keys: tuple[str, ...]) -> dict[str, Any] | None:
