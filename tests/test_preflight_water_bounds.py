@@ -1,0 +1,234 @@
+"""Pre-flight's bounds of what water of particles does, against errors that were measured."""
+
+from __future__ import annotations
+
+import pytest
+
+from coupler.preflight_afloat import to_equilibrium
+from coupler.preflight_error import error_bound
+from coupler.preflight_ladder import ladder, smallest
+from coupler.preflight_numbers import scene_numbers
+from coupler.preflight_rules import findings
+from shared.scene import load_scene
+from tests.test_preflight_fluids import TANK, scene_of
+
+VORTICES = """\
+schema = 1
+title = "Small vortices, Re 50"
+end_time = 1.5
+[fluid]
+model = "ctvf"
+dx = 2.5e-3
+viscosity = 2e-4
+alpha = 0.0
+shake = 0.2
+h_over_dx = 3.0
+periodic = { x = [0.0, 0.1], y = [0.0, 0.1] }
+[[fluid.bodies]]
+name = "water"
+rectangle = [0.0, 0.0, 0.1, 0.1]
+velocity_field = { kind = "taylor-green", speed = 0.1, wavelength = 0.1 }
+[[probes]]
+name = "e"
+quantity = "kinetic-energy"
+body = "water"
+[goal]
+probe = "e"
+statistic = "decay"
+error = 0.05
+"""
+CHANNEL = """\
+schema = 1
+title = "Flow in a channel"
+end_time = 1.5
+gravity = [0.08, 0.0]
+[fluid]
+model = "wcsph"
+dx = 1e-3
+viscosity = 1e-4
+alpha = 0.0
+h_over_dx = 2.0
+initial_pressure = "zero"
+periodic = { x = [0.0, 0.01] }
+bodies = [{ name = "water", rectangle = [0.0, 0.0, 0.01, 0.01] }]
+[[walls]]
+name = "low"
+slip = "no"
+polyline = [[0.0, 0.0], [0.01, 0.0]]
+[[walls]]
+name = "up"
+slip = "no"
+polyline = [[0.01, 0.01], [0.0, 0.01]]
+[[probes]]
+name = "u"
+quantity = "velocity-x"
+point = [0.005, 0.005]
+[goal]
+probe = "u"
+statistic = "final"
+error = 0.05
+"""
+SLAB = """\
+schema = 1
+title = "A slab of water falls"
+end_time = 0.3
+gravity = [0.0, -9.81]
+[fluid]
+model = "wcsph"
+dx = 0.01
+bodies = [{ name = "water", rectangle = [0.4, 0.6, 0.6, 0.8] }]
+[[walls]]
+name = "tank"
+polyline = [[0.0, 1.0], [0.0, 0.0], [1.0, 0.0], [1.0, 1.0]]
+[[probes]]
+name = "v"
+quantity = "max-speed"
+body = "water"
+[goal]
+probe = "v"
+statistic = "final"
+error = 0.1
+"""
+FLOOR = """\
+schema = 1
+title = "A tank on a sprung floor"
+end_time = 2.0
+gravity = [0.0, -9.81]
+[fluid]
+model = "wcsph"
+dx = 0.025
+bodies = [{ name = "water", rectangle = [0.0, 0.0, 0.5, 1.0] }]
+[[walls]]
+name = "left"
+polyline = [[0.0, 1.5], [0.0, -0.5]]
+[[walls]]
+name = "right"
+polyline = [[0.5, -0.5], [0.5, 1.5]]
+[solid]
+model = "spring"
+dx = 0.025
+density = 2000.0
+bodies = [{ name = "floor", rectangle = [0.0, -0.1, 0.5, 0.0] }]
+spring = { stiffness = [0.0, 94748.2, 0.0] }
+[[probes]]
+name = "y"
+quantity = "displacement-y"
+body = "floor"
+point = [0.25, 0.0]
+[goal]
+probe = "y"
+statistic = "min"
+error = 0.05
+"""
+RAFT = """\
+schema = 1
+title = "A raft finds its draught"
+end_time = 6.0
+gravity = [0.0, -9.81]
+[fluid]
+model = "ctvf"
+dx = 0.015
+bodies = [{ name = "water", difference = [{ rectangle = [0.0, 0.0, 1.0, 0.5] },
+  { rectangle = [0.35, 0.42, 0.65, 0.52] }] }]
+[[walls]]
+name = "tank"
+polyline = [[0.0, 0.8], [0.0, 0.0], [1.0, 0.0], [1.0, 0.8]]
+[solid]
+model = "spring"
+dx = 0.01
+density = 600.0
+bodies = [{ name = "raft", rectangle = [0.35, 0.42, 0.65, 0.52], free = true }]
+[[probes]]
+name = "y"
+quantity = "displacement-y"
+body = "raft"
+point = [0.5, 0.47]
+[goal]
+probe = "y"
+statistic = "mean"
+error = 0.1
+[output]
+average_from = 4.0
+"""
+PRESSURE = TANK.replace('quantity = "force-y"\nbody = "tank"', 'quantity = "pressure"\npoint = [0.25, 0.45]')
+MEASURED = [
+    *(
+        (VORTICES, [f"fluid.dx={dx}", f"fluid.h_over_dx={ratio}", f"goal.statistic={statistic}"], error)
+        for dx, ratio, statistic, error in (
+            (5e-3, 3.0, "decay", 0.0706),
+            (2.5e-3, 3.0, "decay", 0.0185),
+            (5e-3, 2.0, "decay", 0.0381),
+            (5e-3, 1.3, "decay", 0.0346),
+            (2.5e-3, 1.3, "decay", 0.0430),
+            (5e-3, 3.0, "final", 0.384),
+            (2.5e-3, 3.0, "final", 0.0878),
+            (5e-3, 2.0, "final", 0.177),
+        )
+    ),
+    (VORTICES, ["fluid.model=wcsph", "fluid.h_over_dx=2.0"], 0.186),
+    (VORTICES, ["fluid.model=wcsph", "fluid.h_over_dx=1.3"], 0.389),
+    *(("taylor_green", [f"fluid.dx={dx}"], error) for dx, error in ((0.04, 0.0365), (0.02, 0.0096), (0.01, 0.0026))),
+    (CHANNEL, [], 0.0185),
+    *(
+        (PRESSURE, [f"fluid.model={model}", f"fluid.dx={dx}", f"probes.push.point=[0.25, {0.5 - depth}]"], error)
+        for model, dx, depth, error in (
+            ("ctvf", 0.04, 0.025, 0.366),
+            ("ctvf", 0.04, 0.05, 0.122),
+            ("ctvf", 0.04, 0.1, 0.0115),
+            ("wcsph", 0.04, 0.05, 0.095),
+            ("ctvf", 0.02, 0.025, 0.096),
+            ("ctvf", 0.02, 0.1, 0.0099),
+            ("ctvf", 0.02, 0.2, 0.0042),
+            ("ctvf", 0.01, 0.05, 0.0243),
+            ("ctvf", 0.01, 0.2, 0.0054),
+            ("wcsph", 0.01, 0.1, 0.0118),
+        )
+    ),
+    (SLAB, [], 0.0117),
+    (SLAB, ["fluid.dx=0.003333"], 0.0058),
+    (SLAB, ["fluid.sound_speed=40"], 0.0050),
+    (SLAB, ["fluid.model=ctvf", "fluid.dx=0.02"], 0.0004),
+    (FLOOR, [], 0.0251),
+    (RAFT, [], 0.257),
+]
+
+
+@pytest.mark.parametrize(("text", "sets", "error"), MEASURED)
+def test_bounds_of_water_hold_what_was_measured(tmp_path, text, sets, error):
+    """Bound at least the error, at most four times it or 0.3 %."""
+    scene = scene_of(text, tmp_path, sets) if "\n" in text else load_scene(text, sets)
+    assert error <= error_bound(scene, scene_numbers(scene)) <= max(4.0 * error, 0.003)
+
+
+def test_the_motion_of_water_at_rest_has_no_relative_error(tmp_path):
+    text = TANK.replace('quantity = "force-y"\nbody = "tank"', 'quantity = "max-speed"\nbody = "water"')
+    rungs = ladder(scene_of(text, tmp_path))
+    assert smallest(rungs) is None
+    assert any("the water rests" in rung.reason for rung in rungs)
+
+
+def test_a_pressure_above_the_water_has_no_bound(tmp_path):
+    scene = scene_of(PRESSURE, tmp_path, ["probes.push.point=[0.25, 0.52]"])
+    assert smallest(ladder(scene)) is None
+
+
+def test_the_way_of_a_raft_is_that_of_archimedes(tmp_path):
+    """From 8 to 6 cm of draught, while the level of a tank three tenths of which it covers falls by 6 mm."""
+    assert to_equilibrium(scene_of(RAFT, tmp_path), "raft") == pytest.approx(0.014)
+    sprung = scene_of(RAFT, tmp_path, [f"solid.spring.stiffness=[0.0, {1000 * 9.81 * 0.3 / 0.7}, 0.0]"])
+    assert to_equilibrium(sprung, "raft") == pytest.approx(0.007)
+
+
+def test_what_falls_on_something_is_no_free_fall(tmp_path):
+    bounds = [error_bound(scene, scene_numbers(scene)) for scene in
+              (scene_of(SLAB, tmp_path, [f"end_time={end}"]) for end in (0.3, 0.36))]  # fmt: skip
+    assert bounds[0] < 0.03
+    assert bounds[1] == pytest.approx(0.25)
+
+
+def test_water_that_its_weight_drives_along_a_period_does_not_rest(tmp_path):
+    """Found: a warning that it starts without its hydrostatic pressure, of which there is none along a period."""
+    scene = scene_of(CHANNEL, tmp_path)
+    numbers = scene_numbers(scene)
+    assert not numbers.water.rests
+    assert {f.rule for f in findings(scene, numbers) if f.verdict != "ok"} == set()
