@@ -181,7 +181,7 @@ def _unable(scene: Scene, n: Numbers, worst: str) -> str:
                 return "the water rests: of a motion that is nothing there is no relative error"
             return "what is left of the value is too little for a bound of its relative error"
         if n.plate is not None and afloat(scene, n.plate):
-            return f"the body floats: it moves the water's level, which {n.water.model} leaves where it is"
+            return f"the body floats: the windows of {n.water.model} do not follow its heave"
         if not any(scene.gravity) and n.water.model == "still":
             return "water at rest without weight presses on nothing"
         if not n.water.rests:

@@ -38,9 +38,8 @@ def helmholtz(scene: Scene, n: Numbers) -> Finding | None:
     )
     if scene.goal is not None and scene.goal.statistic in STEADY:
         return Finding("Helmholtz", value, "ok", f"{why}; the goal's mean does not feel it, peaks and periods would")
-    column = scene.goal is None or (
-        w.rests and scene.goal.error >= COLUMN
-    )  # offered where its bound can reach the goal
+    # Columns are offered where their bound can reach the goal.
+    column = scene.goal is None or (w.rests and scene.goal.error >= COLUMN)
     ways = ["judge a mean (goal.statistic)", *(["use fluid.model = column (incompressible)"] if column else [])]
     way_out = ", ".join(ways) + f", or {_faster_sound(w.sound_speed, value / HELMHOLTZ_WARN)}"
     # Who wants nothing is not refused it; and a splash may pass without the plate's own swing.

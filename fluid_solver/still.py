@@ -29,7 +29,8 @@ class StillWater:
 
     def __init__(self, scene: Scene, coupled: bool, threads: int):
         self._scene = scene
-        self._gravity = np.array(scene.gravity)
+        self._gravity, self._g = np.array(scene.gravity), float(np.hypot(*scene.gravity))
+        self._up = -self._gravity / (self._g or 1.0)
         self._pools = pools(scene.fluid.bodies)
         self._nodes, self._links, self._body, self._pool = _chains(scene, self._pools)
         self._place = self._nodes.copy()
@@ -134,8 +135,7 @@ class StillWater:
 
     def _lay_levels(self) -> dict[int, Level]:
         """The level of each pool, by its first body; none without gravity."""
-        g = np.hypot(*self._gravity)
-        if g == 0.0:
+        if self._g == 0.0:
             return {}
         bodies = self._scene.fluid.bodies
         return {
@@ -143,7 +143,7 @@ class StillWater:
                 np.concatenate([outline(body) for body, pool in zip(bodies, self._pools, strict=True) if pool == k]),
                 self._links[self._pool[self._links[:, 0]] == k],
                 self._nodes,
-                -self._gravity / g,
+                self._up,
             )
             for k in sorted(set(self._pools))
         }
@@ -155,15 +155,16 @@ class StillWater:
 
     def _top(self, pool: np.ndarray) -> np.ndarray:
         """Largest of −g·x [m²/s²] over the water of each `pool` (m,)."""
-        g = np.hypot(*self._gravity)
-        return np.array([g * self._height.get(int(k), 0.0) for k in pool])
+        return np.array([self._g * self._height.get(int(k), 0.0) for k in pool])
 
     def _probed_level(self, name: str | None) -> float:
         """Height y [m] of the surface of the water `name`, or the highest of all."""
-        bodies = [(b, k) for b, k in zip(self._scene.fluid.bodies, self._pools, strict=True) if name in (None, b.name)]
-        risen = {k: self._height[k] - level.first for k, level in self._level.items()}
-        up = -self._gravity[1] / max(np.hypot(*self._gravity), 1e-300)
-        return float(max(outline(body)[..., 1].max() + risen.get(k, 0.0) * up for body, k in bodies))
+        tops = []
+        for body, k in zip(self._scene.fluid.bodies, self._pools, strict=True):
+            if name in (None, body.name):
+                rise = (self._height[k] - self._level[k].first) * self._up[1] if self._level else 0.0
+                tops.append(float(outline(body)[..., 1].max()) + rise)
+        return max(tops)
 
     def _load(self, place: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Pressure (n,) [Pa] and force (n, 2) [N/m] of nodes at `place` (n, 2)."""
