@@ -7,7 +7,6 @@ import math
 from pathlib import Path
 
 from coupler.chart import Chart, Point
-from coupler.chart_picture import draw_chart
 
 COLUMNS = (
     "family",
@@ -32,6 +31,8 @@ def write_chart(chart: Chart, folder: Path, command: str) -> list[Path]:
         writer.writerow(COLUMNS)
         writer.writerows(_row(chart, point) for point in chart.points)
     paths[1].write_text(chart_page(chart, command), encoding="utf-8")
+    from coupler.chart_picture import draw_chart  # loads for half a second
+
     draw_chart(chart, paths[2])
     return paths
 

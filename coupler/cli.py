@@ -19,7 +19,6 @@ from coupler.one_side import resume_one_side, run_one_side
 from coupler.preflight import actual, preflight, stop_if_refused, warn_of
 from coupler.preflight_auto import chosen
 from coupler.preflight_table import print_preflight
-from coupler.report import write_report
 from coupler.run import resume_coupled, run_coupled
 from coupler.stability import find_boundaries, write_map
 from coupler.stability_map import load_map
@@ -209,6 +208,8 @@ def report(
     ] = None,
 ) -> None:
     """Write a run as one HTML page: pictures, probes against references, ledger, cost, pre-flight."""
+    from coupler.report import write_report  # loads for half a second
+
     print(write_report(run_dir, out))
 
 

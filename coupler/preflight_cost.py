@@ -36,7 +36,7 @@ ITERATIONS = {"serial-implicit": 2.5, "parallel-implicit": 4.0}
 """Of a window. Measured with iqn-ils on windows of a fluid step: serial 1.3 to 2.0 (two_reservoirs,
 cantilever_in_water, light_gate, a drop on a gel), 2.6 to 3.0 (a flap in a splash, a reed in waves, a rubber gate);
 parallel 4.0 (two gates in oil)."""
-START_S = 2.0
+START_S = 1.5
 """Per process, before its first step: loading libraries and compiled code."""
 _NEIGHBOURS_RADIUS = 2.6  # support over dx of the table's fluid
 _DEVELOPED = 1.0 / 10.0  # mean speed of a flow over c0 beyond that at t = 0

@@ -15,7 +15,6 @@ from coupler.preflight_rules import findings
 from coupler.stability_check import check_map
 from coupler.stability_kept import Remembered, remembered
 from coupler.stability_map import Method, StabilityMap
-from coupler.stability_picture import draw_map
 from coupler.stability_runs import FAILED, NOTHING, boundary, cell_scene, measure, with_reference
 from coupler.stability_theory import THEORIES
 from shared.contract import BadInput
@@ -143,5 +142,7 @@ def write_map(stability: StabilityMap, found: list[Boundary], folder: Path) -> l
         writer = csv.writer(file, lineterminator="\n")
         writer.writerow(("method", x, y, stability.criterion.measure))
         writer.writerows((b.method, f"{b.x:.5g}", f"{y:.5g}", f"{value:.4g}") for b in found for y, value in b.tried)
+    from coupler.stability_picture import draw_map  # loads for half a second
+
     draw_map(stability, found, paths[2])
     return paths

@@ -11,7 +11,6 @@ from typing import Any, TextIO
 
 from shared.checkpoint import Checkpoint, claim, way_on
 from shared.contract import ParticipantLost, ShearwaterError
-from shared.pictures import draw_pictures
 from shared.probes import ProbeTable, probe_units
 from shared.progress import Progress
 from shared.results import environment, make_result, write_result
@@ -116,6 +115,8 @@ class Record:
             preflight=self.preflight,
         )
         write_result(self.run_dir, self.result)
+        from shared.pictures import draw_pictures  # loads for half a second
+
         self.pictures = draw_pictures(self.run_dir, self._scene)
 
 

@@ -6,6 +6,8 @@ sources that break it.
 """
 
 import ast
+import subprocess
+import sys
 from importlib.util import find_spec
 from pathlib import Path
 
@@ -150,3 +152,9 @@ def test_zenoh_is_found_behind_other_modules():
         "shared.link_zenoh": "import zenoh",
     }
     assert "zenoh" in reached(sources, "fluid_solver.walls")
+
+
+def test_what_draws_is_loaded_when_something_is_drawn():
+    """Half a second of every start, and a solver that is coupled never draws."""
+    code = "import sys, coupler.cli, fluid_solver.cli, solid_solver.cli; sys.exit('matplotlib' in sys.modules)"
+    assert subprocess.run([sys.executable, "-c", code], timeout=120).returncode == 0
