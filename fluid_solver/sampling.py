@@ -5,12 +5,13 @@ from __future__ import annotations
 import numpy as np
 
 from fluid_solver.cells import COLUMNS, neighbour
-from fluid_solver.fields import FLUID, RHO, VOL, P, U, V, X, Y
+from fluid_solver.fields import FLUID, PARKED, RHO, VOL, P, U, V, X, Y
 from fluid_solver.motion import nearest_image
 from shared.jit import njit
 from shared.kernels import kernel_w
 
-HALF = 0.5  # Σ V W at a flat surface
+HALF = 0.5  # share of its support that water fills at a flat surface
+BURIED = 0.6  # share of its support that ghosts fill beyond which a place is behind a face: half of it on one
 FILLED = 0.8  # share of its support that every particle finds filled where there is no free surface: half at one
 _STEP = 0.25  # of h: stride of the search for the surface
 
@@ -36,25 +37,27 @@ def sample(S, kind, kernel, x, y, grid, c):
 
 @njit
 def surface_at(S, kind, kernel, x, grid, c):
-    """Highest y [m] where Σ V W at abscissa `x` passes one half; NaN where there is no fluid."""
+    """Highest y [m] where water fills half of the support that walls and structures leave at abscissa `x`; NaN where
+    there is no fluid."""
     near = np.empty(kind.size, dtype=np.int64)
     n, top, lowest = 0, -np.inf, np.inf
     for b in range(kind.size):
-        if kind[b] == FLUID and abs(nearest_image(x - S[X, b], 0.0, grid.period_x)) < c.support:
+        if kind[b] != PARKED and abs(nearest_image(x - S[X, b], 0.0, grid.period_x)) < c.support:
             near[n] = b
             n += 1
-            top = max(top, S[Y, b])
-            lowest = min(lowest, S[Y, b])
+            if kind[b] == FLUID:
+                top = max(top, S[Y, b])
+                lowest = min(lowest, S[Y, b])
     outside = top + c.support
     inside = outside
-    while inside > lowest and _filled(S, near[:n], kernel, x, inside, grid, c) < HALF:
+    while inside > lowest and _filled(S, kind, near[:n], kernel, x, inside, grid, c) < HALF:
         outside = inside
         inside -= _STEP * c.h
     if not inside > lowest:
         return np.nan
     for _ in range(30):  # halvings: to rounding
         middle = 0.5 * (inside + outside)
-        if _filled(S, near[:n], kernel, x, middle, grid, c) < HALF:
+        if _filled(S, kind, near[:n], kernel, x, middle, grid, c) < HALF:
             outside = middle
         else:
             inside = middle
@@ -62,13 +65,18 @@ def surface_at(S, kind, kernel, x, grid, c):
 
 
 @njit
-def _filled(S, near, kernel, x, y, grid, c):
-    total = 0.0
+def _filled(S, kind, near, kernel, x, y, grid, c):
+    """Σ V W of the fluid over what that of the ghosts leaves to it; within a wall 0."""
+    fluid = ghosts = 0.0
     for b in near:
         rx = nearest_image(x - S[X, b], 0.0, grid.period_x)
         ry = y - S[Y, b]
-        total += S[VOL, b] * kernel_w(kernel, rx * rx + ry * ry, c.h)
-    return total
+        share = S[VOL, b] * kernel_w(kernel, rx * rx + ry * ry, c.h)
+        if kind[b] == FLUID:
+            fluid += share
+        else:
+            ghosts += share
+    return fluid / (1.0 - ghosts) if ghosts < BURIED else 0.0
 
 
 @njit

@@ -50,11 +50,13 @@ def test_a_lid_drags_what_is_under_it():
 
 
 def test_samples_are_exact_for_what_they_are_made_for():
-    """Pressure of a linear field, velocity of a uniform one, the level of a settled column, its stored energy."""
+    """Pressure of a linear field, velocity of a uniform one, the level of a settled column, on a wall too, its
+    stored energy."""
     probes = [
         {"name": "p", "quantity": "pressure", "point": (0.11, 0.083)},
         {"name": "u", "quantity": "velocity-x", "point": (0.11, 0.083)},
         {"name": "surface", "quantity": "elevation", "point": (0.1, 0.15)},
+        {"name": "at_wall", "quantity": "elevation", "point": (0.0, 0.15)},
         {"name": "none", "quantity": "elevation", "point": (5.0, 0.0)},
         {"name": "energy", "quantity": "total-energy"},
         {"name": "clipped", "quantity": "clipped-impulse"},
@@ -67,6 +69,7 @@ def test_samples_are_exact_for_what_they_are_made_for():
     assert values["p"] == pytest.approx(1000.0 * 9.81 * (0.15 - 0.083), rel=0.02)
     assert values["u"] == pytest.approx(0.3, rel=1e-12)
     assert values["surface"] == pytest.approx(0.0, abs=0.002)
+    assert values["at_wall"] == pytest.approx(values["surface"], abs=0.02 * model.c.dx)
     assert np.isnan(values["none"])
     weight = 1000.0 * 9.81 * 0.2 * 0.15
     assert values["energy"] == pytest.approx(weight * 0.075 + 0.5 * 0.3**2 * 30.0, rel=0.01)
