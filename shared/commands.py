@@ -19,6 +19,7 @@ from shared.scene import scene_warnings
 from shared.schema import Scene
 from shared.start import INTERRUPTED, on_stop_signals
 from shared.stopping import STOP
+from shared.streams import lost_output
 
 Case = Annotated[str, typer.Argument(help="A scene file, or the name of a shipped case.", show_default=False)]
 Out = Annotated[Path | None, typer.Option(help="Run directory to make; default runs/CASE.", show_default=False)]
@@ -50,6 +51,9 @@ def run_app(app: typer.Typer) -> None:
         code = error.exit_code
     except OSError as error:
         _say(f"error: {error}; check the disk's free space and the rights on the run directory, then run again")
+        code = 3
+    if not code and (lost := lost_output()):
+        _say(f"error: not all could be printed ({lost}); free some space there and ask again (of a run all is kept)")
         code = 3
     if code == INTERRUPTED:
         _say("interrupted; what was computed is kept")
