@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import logging
 import os
+import signal
 import sys
 from pathlib import Path
 from typing import Annotated
@@ -18,7 +19,7 @@ from shared.results import loss, missed
 from shared.scene import scene_warnings
 from shared.schema import Scene
 from shared.start import INTERRUPTED, on_stop_signals
-from shared.stopping import STOP
+from shared.stopping import STOP, ask_once_more
 from shared.streams import lost_output
 
 Case = Annotated[str, typer.Argument(help="A scene file, or the name of a shipped case.", show_default=False)]
@@ -41,6 +42,7 @@ def run_app(app: typer.Typer) -> None:
         stream.reconfigure(errors="backslashreplace")
     logging.getLogger("shearwater").addHandler(logging.NullHandler())
     on_stop_signals(STOP.ask)
+    sys.unraisablehook = ask_once_more
     try:
         app()
         code = 0
@@ -57,6 +59,7 @@ def run_app(app: typer.Typer) -> None:
         code = 3
     if code == INTERRUPTED:
         _say("interrupted; what was computed is kept")
+    on_stop_signals(signal.SIG_IGN)
     sys.exit(code)
 
 

@@ -16,6 +16,7 @@ from shared.progress import Progress
 from shared.results import environment, make_result, write_result
 from shared.scene import dump_scene
 from shared.schema import Scene
+from shared.stopping import STOP
 
 _OF_THE_SYSTEM = re.compile(r"\[Errno \d+\]")
 
@@ -90,6 +91,7 @@ class Record:
         return self._wall_before + time.perf_counter() - self._begun
 
     def __exit__(self, kind, error, trace) -> None:
+        STOP.ending = True  # a second or two, and all is kept
         self._progress.__exit__(None, None, None)
         self._table.close()
         status, reason = _status(error)
@@ -98,6 +100,7 @@ class Record:
         self.claim.close()
         if status == "interrupted" and (way := way_on(self.run_dir)):
             print(way, file=sys.stderr, flush=True)
+        STOP.ending = status == "interrupted"
 
     def _conclude(self, status: str, reason: str) -> None:
         """Write the result and draw the pictures."""
