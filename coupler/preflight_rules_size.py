@@ -45,5 +45,7 @@ def steps(scene: Scene, n: Numbers) -> Finding | None:
     if verdict == "ok":
         return None
     reason = f"{value:.2g} steps of {min(shortest):.2g} s to end_time = {scene.end_time:g} s"
-    way_out = "check the units of end_time, dx, gravity, motions and stiffness; larger spacings take fewer steps"
+    way_out = (
+        "check the units of end_time, dx, gravity, motions, stiffness and solid.alpha; larger spacings take fewer steps"
+    )
     return Finding("steps", value, verdict, reason, way_out)

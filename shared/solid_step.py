@@ -49,7 +49,7 @@ def viscous_time(solid: Solid) -> float:
 
 def lattice_step(limit: float, tau: float) -> float:
     """Step [s] that "auto" takes on a lattice of largest frequency ω = 2/`limit` [1/s], viscous time `tau` [s]."""
-    return LATTICE_SHARE * (math.hypot(tau, limit) - tau)
+    return LATTICE_SHARE * limit**2 / (math.hypot(tau, limit) + tau)  # √(τ² + limit²) − τ, also where τ is long
 
 
 def expected_limit(clamped_ends: int, poisson_ratio: float) -> float:

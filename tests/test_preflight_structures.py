@@ -11,6 +11,7 @@ from coupler.preflight_ladder import ladder, smallest
 from coupler.preflight_numbers import scene_numbers
 from coupler.preflight_rules import findings
 from shared.scene import load_scene
+from shared.solid_step import LATTICE_SHARE, lattice_step
 from shared.solo import run_alone
 from solid_solver.models import make_model
 
@@ -143,3 +144,10 @@ def test_a_plate_between_two_waters_bears_the_difference_of_their_levels(tmp_pat
     plate = scene_numbers(text_scene(tmp_path, BETWEEN_LEVELS.replace("LEVEL", str(level)))).plate
     assert plate.wet == 2
     assert plate.deflection == pytest.approx(pressure * 0.6**4 / (8.0 * plate.stiffness), rel=1e-9, abs=1e-12)
+
+
+def test_viscosity_beyond_measure_is_refused_for_its_steps():
+    scene = load_scene("udl_beam", ["solid.alpha=1e30"])
+    assert lattice_step(1e-6, 1e12) == pytest.approx(LATTICE_SHARE * 0.5e-24)
+    assert [f.verdict for f in findings(scene, scene_numbers(scene)) if f.rule == "steps"] == ["refuse"]
+    assert "steps" in next(r.reason for r in ladder(scene) if r.solid == "total-lagrangian")
