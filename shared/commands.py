@@ -41,6 +41,7 @@ def run_app(app: typer.Typer) -> None:
     for stream in (sys.stdout, sys.stderr):  # a terminal, or a file's name, may not know every character
         stream.reconfigure(errors="backslashreplace")
     logging.getLogger("shearwater").addHandler(logging.NullHandler())
+    logging.raiseExceptions = False  # a log that cannot be written is no reason for tracebacks
     on_stop_signals(STOP.ask)
     sys.unraisablehook = ask_once_more
     try:

@@ -17,6 +17,7 @@ from shared.results import environment, make_result, write_result
 from shared.scene import dump_scene
 from shared.schema import Scene
 from shared.stopping import STOP
+from shared.unwritable import cannot_write
 
 _OF_THE_SYSTEM = re.compile(r"\[Errno \d+\]")
 
@@ -25,9 +26,10 @@ class Record:
     """Context of a run in `run_dir`: writes `case.toml` first, `probes.csv` on the way, `result.json` at the end.
 
     The run adds to `cost`, `ledger`, `preflight` and `programs`, the commands of sides that are not ours. An error or
-    Ctrl-C that leaves the context is written down as the run's status and reason, and goes on; after Ctrl-C the command
-    that goes on with the run is printed. Status: "finished"; "failed", by what was computed; "lost", by the machine (a
-    process killed, a full disk): the same run may finish another time; "interrupted".
+    Ctrl-C that leaves the context is written down as the run's status and reason, and goes on, whatever else goes wrong
+    meanwhile; the command that goes on with a run that was cut short is printed. Status: "finished"; "failed", by what
+    was computed; "lost", by the machine (a process killed, a full disk): the same run may finish another time;
+    "interrupted".
 
     `last`: the checkpoint that the run goes on from, with the `held` claim to it. What is there beyond it, and the
     result, stay until the run has gone on: one that cannot changes nothing.
@@ -56,7 +58,10 @@ class Record:
         self._moved = last is None
         case_file = run_dir / "case.toml"
         if last is None:
-            case_file.write_text(dump_scene(scene), encoding="utf-8")
+            try:
+                case_file.write_text(dump_scene(scene), encoding="utf-8")
+            except OSError as error:
+                raise cannot_write("The scene", case_file, error) from error
         self._text = case_file.read_text(encoding="utf-8")
         self.claim = held or claim(run_dir)
         self._table = ProbeTable(run_dir / "probes.csv", probe_units(scene), last and last.notes["probe_rows"])
@@ -96,10 +101,17 @@ class Record:
         self._table.close()
         status, reason = _status(error)
         if self._moved:
-            self._conclude(status, reason)
+            try:
+                self._conclude(status, reason)
+            except (ShearwaterError, OSError) as another:
+                if error is None:
+                    raise
+                _say(f"warning: {another}")
         self.claim.close()
-        if status == "interrupted" and (way := way_on(self.run_dir)):
-            print(way, file=sys.stderr, flush=True)
+        # That of a lost participant is part of its error.
+        cut = status == "interrupted" or (status == "lost" and not isinstance(error, ParticipantLost))
+        if cut and (way := way_on(self.run_dir)):
+            _say(way)
         STOP.ending = status == "interrupted"
 
     def _conclude(self, status: str, reason: str) -> None:
@@ -121,6 +133,10 @@ class Record:
         from shared.pictures import draw_pictures  # loads for half a second
 
         self.pictures = draw_pictures(self.run_dir, self._scene)
+
+
+def _say(text: str) -> None:
+    print(text, file=sys.stderr, flush=True)
 
 
 def _status(error: BaseException | None) -> tuple[str, str]:

@@ -1,18 +1,23 @@
-"""Requests to stop that come at a bad moment."""
+"""Requests to stop, and faults, that come at a bad moment."""
 
 from __future__ import annotations
 
+import errno
 import signal
 import threading
 from types import SimpleNamespace
 
 import pytest
 
+import shared.pictures
 import shared.record
+from shared.checkpoint import Checkpoints
+from shared.contract import ShearwaterError
 from shared.record import Record
 from shared.results import read_result, write_result
 from shared.scene import load_scene
 from shared.stopping import STOP, ask_once_more, stopping_between_windows
+from shared.unwritable import cannot_write
 
 
 def test_what_a_run_has_is_written_down_however_often_it_is_asked_to_stop(tmp_path, monkeypatch):
@@ -21,7 +26,7 @@ def test_what_a_run_has_is_written_down_however_often_it_is_asked_to_stop(tmp_pa
         return write_result(run_dir, result)
 
     monkeypatch.setattr(shared.record, "write_result", asked_meanwhile)
-    monkeypatch.setattr(shared.record, "draw_pictures", lambda *_: [])
+    monkeypatch.setattr(shared.pictures, "draw_pictures", lambda *_: [])
     with pytest.raises(KeyboardInterrupt), Record(tmp_path, load_scene("piston"), "piston", {}, True):
         raise KeyboardInterrupt
     STOP.ask()  # on its way out
@@ -42,3 +47,28 @@ def test_a_request_that_python_cannot_raise_comes_once_more(number, monkeypatch)
         assert came.wait(5.0)
     finally:
         signal.signal(number, before)
+
+
+def test_a_full_disk_is_told_of_with_the_way_on_whatever_cannot_be_written_besides(tmp_path, monkeypatch, capsys):
+    full = OSError(errno.ENOSPC, "No space left on device")
+
+    def no_picture(*_):
+        raise cannot_write("The picture", tmp_path / "last_frame.png", full)
+
+    def run(run_dir, fault):
+        run_dir.mkdir()
+        with Record(run_dir, load_scene("piston"), "piston", {}, True) as record:
+            checkpoints = Checkpoints(run_dir, 1.0)
+            checkpoints.seal(checkpoints.begin(0), 0, 0.0, record.notes())
+            if fault is not None:
+                raise fault
+
+    monkeypatch.setattr(shared.pictures, "draw_pictures", no_picture)
+    with pytest.raises(ShearwaterError, match="The file of frames"):
+        run(tmp_path / "cut", cannot_write("The file of frames", tmp_path / "solid.vtkhdf", full))
+    errors = capsys.readouterr().err
+    assert "warning: The picture" in errors
+    assert f"coupler resume {tmp_path / 'cut'}\n" in errors
+    assert read_result(tmp_path / "cut")["reason"].startswith("The file of frames")
+    with pytest.raises(ShearwaterError, match="The picture"):
+        run(tmp_path / "whole", None)
