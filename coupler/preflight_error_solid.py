@@ -3,13 +3,14 @@
 Each is measured on cases with a known answer (cases/results/structures.md), with a margin of 1.2 to 2.5 over the worst
 found; n particles across, t/L thickness over length, ν Poisson's ratio, dx spacing.
 
-    beam               0.75 (t/L)² + 0.22 ν t/L per clamp, which holds its section's width too + 1.5 × stretch along
-                       its axis; 0.04 % of what happens in time, for it steps a hundred times in a period
+    beam               0.25 (t/L)², of a stress three times as much, + its clamps + 1.5 × stretch along its axis + 0.4 ×
+                       square of the strain it bends to, for its law is linear; 0.04 % of what happens in time, for it
+                       steps a hundred times in a period
                                                          plate_step_load, oscillating_plate, udl_beam
     total-lagrangian   (0.08 + 0.15 ν)/n                                udl_beam at 6 … 20 across, ν 0 … 0.47
     ctvf               (0.15 + 0.15 ν)/n quadratic, 5/n² linear, 4.5/n printed gradient
-    both               at least (0.6 + 1.3 ν) dx/L per clamp, which gives way within about a particle: what counts in a
-                       body that is not slender          udl_beam, hydrostatic_plate, a dam of gel as wide as high
+    both               at least their clamps             udl_beam, hydrostatic_plate, a dam of gel as wide as high
+    clamps             preflight_error_clamps.py
 
 A period or a time of a peak feels half the error of a stiffness; less than two periods show none. A beam that starts in
 a higher mode, r times as fast, is r times as far from slender and takes r times as few steps in a period.
@@ -24,22 +25,26 @@ from __future__ import annotations
 
 import math
 
+from coupler.preflight_error_clamps import clamps_slip, clamps_width
 from coupler.preflight_finding import PARTICLE_FLUIDS, STEADY
 from coupler.preflight_numbers import Numbers
 from coupler.preflight_plate import Plate, creep, goals_probe, of_a_body, swing_left
+from shared.scene_models import STRESSES
 from shared.schema import Scene
 from shared.schema_solid import RIGID_MODELS
 from shared.sides import probe_rows
 from shared.solid_step import BEAM_STEPS, FIRST_ROOT
 
-BEAM_SHAPE, BEAM_CLAMP, BEAM_STRETCH, BEAM_STEPPED = 0.75, 0.22, 1.5, 4e-4
+BEAM_SHAPE, BEAM_STRETCH, BEAM_STEPPED = 0.25, 1.5, 4e-4
+BEAM_STRESS = 3.0
+BEAM_BENT = 0.4
+BENT = {1: 2.0, 2: 16.0}  # strain of the outer fibre at a clamp over thickness × deflection/L², by clamped ends
 LAGRANGIAN = (0.08, 0.15)
 UPDATED = (0.15, 0.15)
-CLAMPED = (0.6, 1.3)
 LINEAR, PRINTED = 5.0, 4.5
 KEPT = {"total-lagrangian": 1e-12, "spring": 1e-12, "rigid": 1e-12, "beam": 1e-3, "ctvf": 1e-2}
 """What a model loses of a momentum, or of a stress carried round, that physics keeps."""
-TIMES = ("period", "t_min", "t_max")
+TIMES = ("period", "wave-period", "t_min", "t_max")
 PEAKS = ("min", "max")
 PERIODS = ("period", "wave-period")
 UNBOUNDED = ("slope", "decay", "wave-decay")
@@ -62,15 +67,24 @@ def of_structure(scene: Scene, n: Numbers) -> float:
         return 0.0
     nu = solid.poisson_ratio
     if plate.model == "beam":
-        slender = plate.thickness / plate.length
-        bound = BEAM_SHAPE * overtone(scene, plate) * slender**2 + BEAM_CLAMP * plate.clamps * nu * slender
-        bound += BEAM_STRETCH * plate.stretch
+        probe = goals_probe(scene)
+        shape = BEAM_SHAPE * (BEAM_STRESS if probe is not None and probe.quantity in STRESSES else 1.0)
+        bound = shape * overtone(scene, plate) * (plate.thickness / plate.length) ** 2
+        bound += clamps_width(scene, plate) + BEAM_STRETCH * plate.stretch + BEAM_BENT * _bent(plate, what) ** 2
     elif plate.model == "ctvf" and solid.gradient != "quadratic":
         bound = LINEAR / plate.across**2 if solid.gradient == "linear" else PRINTED / plate.across
     else:
         base, slope = LAGRANGIAN if plate.model == "total-lagrangian" else UPDATED
-        bound = max((base + slope * nu) / plate.across, _clamped(scene, n))
+        bound = max((base + slope * nu) / plate.across, clamps_slip(scene, plate))
     return bound * (0.5 if what in TIMES else 1.0) + (_stepped(scene, plate) if what in (*TIMES, *PEAKS) else 0.0)
+
+
+def _bent(plate: Plate, what: str) -> float:
+    """Largest strain by bending; a peak is up to twice the deflection at rest."""
+    if plate.deflection is None:
+        return 0.0
+    deflection = min((2.0 if what in PEAKS else 1.0) * plate.deflection / plate.length, 1.0)
+    return BENT[plate.clamps] * deflection * plate.thickness / plate.length
 
 
 def not_bounded(scene: Scene, n: Numbers) -> str:
@@ -153,10 +167,3 @@ def _stepped(scene: Scene, plate: Plate) -> float:
         return 0.0
     step = min(plate.step, scene.end_time / probe_rows(scene))
     return BEAM_STEPPED * (BEAM_STEPS * step * plate.frequency * overtone(scene, plate)) ** 2
-
-
-def _clamped(scene: Scene, n: Numbers) -> float:
-    """Error of a deflection by clamps that give way within about a particle."""
-    solid, plate = scene.solid, n.plate
-    clamps = sum(clamp.body == plate.name for clamp in solid.clamps)
-    return (CLAMPED[0] + CLAMPED[1] * solid.poisson_ratio) * clamps * solid.dx / plate.length

@@ -15,7 +15,7 @@ from shared.scene_models import FORCES
 from shared.schema import Scene
 from shared.schema_geometry import Body
 from shared.schema_probes import Probe
-from shared.schema_solid import RIGID_MODELS
+from shared.schema_solid import RIGID_MODELS, Load
 from shared.solid_step import (
     UPDATED_COURANT,
     beam_step,
@@ -27,6 +27,7 @@ from shared.solid_step import (
 )
 
 STATIC_FACTOR = {1: 8.0, 2: 384.0}  # k in the largest deflection q L⁴/(k D) under a uniform load
+TIP_FACTOR = 3.0  # the same of a cantilever, F L³/(k D) under a force at its tip
 FACES_OF_AXIS = (("left", "right"), ("bottom", "top"))
 _WET = 0.5  # of a face's samples before which water stands, from which it counts as wetted
 
@@ -105,8 +106,9 @@ def measure_plate(scene: Scene, water: Water | None) -> Plate:
     axes = axes_of(body.rotate)
     levels = levels_before(scene, body) if water is not None else []
     if elastic and ends:
-        load = _load(scene, body, axes[1 - axis], water, levels)
-        deflection = load * length**4 / (STATIC_FACTOR[ends] * stiffness)
+        uniform, tip = _load(scene, body, axes[1 - axis], water, levels)
+        bending = uniform * length / STATIC_FACTOR[ends] + (tip / TIP_FACTOR if ends == 1 else 0.0)
+        deflection = abs(bending) * length**3 / stiffness
     return Plate(
         name=body.name,
         model=solid.model,
@@ -203,21 +205,34 @@ def levels_before(scene: Scene, body: Body) -> list[float]:
     return levels
 
 
-def _load(scene: Scene, body: Body, normal: np.ndarray, water: Water | None, levels: list[float]) -> float:
+def _load(
+    scene: Scene, body: Body, normal: np.ndarray, water: Water | None, levels: list[float]
+) -> tuple[float, float]:
     """Uniform load [Pa] on the plate along its normal, by loads, weight and water, of which between two waters the
-    difference of their levels counts; an estimate."""
-    solid, thickness = scene.solid, lengthwise(body)[1]
+    difference of their levels counts, and the force [N/m] on its end faces; an estimate."""
+    solid, (axis, thickness, _) = scene.solid, lengthwise(body)
     load = float(np.dot(scene.gravity, normal)) * solid.density * thickness if solid.gravity else 0.0
+    tip = 0.0
     for one in solid.loads:
         if one.body == body.name:
-            along = float(np.dot(one.traction or one.acceleration, normal))
-            load += along if one.traction else along * solid.density * thickness
+            along = float(np.dot(one.traction or one.acceleration, normal)) * _largest_factor(one)
+            if one.face in FACES_OF_AXIS[axis]:
+                tip += along * thickness
+            else:
+                load += along if one.traction else along * solid.density * thickness
     if water is None:
-        return abs(load)
+        return load, tip
     g = math.hypot(*scene.gravity)
     if len(levels) == 2:
-        return abs(load) + water.density * g * abs(levels[0] - levels[1])
-    return abs(load) + water.density * (g * water.height if water.rests else water.speed**2)
+        pressure = water.density * g * abs(levels[0] - levels[1])
+    else:
+        pressure = water.density * (g * water.height if water.rests else water.speed**2)
+    return abs(load) + pressure, abs(tip)
+
+
+def _largest_factor(load: Load) -> float:
+    """The factor of a load that is largest in size."""
+    return 1.0 if load.table is None else max(load.table.factors, key=abs)
 
 
 def _pull(scene: Scene, body: Body, axis: int, along: np.ndarray) -> float:
@@ -227,5 +242,5 @@ def _pull(scene: Scene, body: Body, axis: int, along: np.ndarray) -> float:
     stress = float(np.dot(scene.gravity, along)) * solid.density * length if solid.gravity else 0.0
     for one in solid.loads:
         if one.body == body.name and one.face in FACES_OF_AXIS[axis]:
-            stress += float(np.dot(one.traction, along))
+            stress += float(np.dot(one.traction, along)) * _largest_factor(one)
     return abs(stress)

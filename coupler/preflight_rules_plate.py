@@ -25,7 +25,7 @@ def slenderness(scene: Scene, n: Numbers) -> Finding | None:
         return Finding("slenderness", value, "ok", "particles take any shape")
     verdict = below(value, SLENDER_WARN, SLENDER_REFUSE)
     way_out = "" if verdict == "ok" else "solid.model = total-lagrangian"
-    return Finding("slenderness", value, verdict, f"a beam errs by about 0.75 (t/L)² = {75 / value**2:.2g} %", way_out)
+    return Finding("slenderness", value, verdict, f"a beam errs by about 0.25 (t/L)² = {25 / value**2:.2g} %", way_out)
 
 
 def cauchy(scene: Scene, n: Numbers) -> Finding | None:

@@ -152,17 +152,18 @@ def test_water_at_rest_is_told_from_water_that_falls(sets, rests, boxed):
 
 def test_a_loaded_beam_needs_a_beam():
     choice = smallest(ladder(load_scene("udl_beam")))
-    assert (choice.name, choice.error) == ("beam", pytest.approx(0.0027, rel=0.1))
+    assert (choice.name, choice.error) == ("beam", pytest.approx(0.00108, rel=0.1))
 
 
 def test_a_tighter_goal_needs_particles():
     """And a cliff is named: what just misses the goal for a tenth of the cost."""
-    found = preflight(load_scene("udl_beam", ["goal.error=0.002"]))
+    wide = "solid.poisson_ratio=0.34"
+    found = preflight(load_scene("udl_beam", [wide, "goal.error=0.008"]))
     assert found.choice.name == "total-lagrangian"
-    assert found.choice.error <= 0.002
+    assert found.choice.error <= 0.008
     assert found.near_miss.name == "beam"
-    assert "bound 0.272 % for 0.2 %, misses by 0.072 %" in near_miss_line(found)
-    assert preflight(load_scene("udl_beam", ["goal.error=0.001"])).near_miss is None
+    assert "bound 0.974 % for 0.8 %, misses by 0.17 %" in near_miss_line(found)
+    assert preflight(load_scene("udl_beam", [wide, "goal.error=0.006"])).near_miss is None
 
 
 def test_a_force_on_an_elastic_wall_may_be_had_from_a_rigid_one():

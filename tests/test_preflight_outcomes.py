@@ -139,12 +139,12 @@ def test_the_smallest_pair_is_sensible(tmp_path, name, fluid, solid):
 
 
 def test_a_thick_body_feels_its_clamp(tmp_path):
-    """Half the error at half the spacing, whatever its many particles across."""
+    """Half the error or less at half the spacing, whatever its many particles across."""
     path = scene_file(tmp_path, "gel")
     bounds = [preflight(load_scene(path, [*STILL, f"solid.dx={dx}"])).error for dx in (1e-2, 5e-3)]
     assert bounds[0] >= 0.048
     assert bounds[1] >= 0.024
-    assert bounds[0] / bounds[1] == pytest.approx(2.0, rel=0.05)
+    assert 2.0 <= bounds[0] / bounds[1] <= 2.5
 
 
 @pytest.mark.slow

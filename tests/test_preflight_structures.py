@@ -7,6 +7,7 @@ import math
 import pytest
 
 from coupler.preflight_error import error_bound
+from coupler.preflight_error_solid import of_structure
 from coupler.preflight_ladder import ladder, smallest
 from coupler.preflight_numbers import scene_numbers
 from coupler.preflight_rules import findings
@@ -66,6 +67,33 @@ poisson_ratio = 0.3
 bodies = [{ name = "baffle", rectangle = [0.4, 0.0, 0.44, 0.6] }]
 clamps = [{ body = "baffle", face = "bottom" }]
 """
+CLAMPED = """\
+schema = 1
+title = "A plate clamped at both ends, or at one"
+end_time = 1.0
+[solid]
+model = "total-lagrangian"
+dx = 0.025
+density = 1000.0
+youngs_modulus = 1e6
+poisson_ratio = 0.0
+damping = 100.0
+bodies = [{ name = "plate", rectangle = [0.0, 0.0, 1.0, 0.1] }]
+clamps = [{ body = "plate", face = "left" }, { body = "plate", face = "right" }]
+loads = [{ body = "plate", face = "top", traction = [0.0, -10.0] }]
+[[probes]]
+name = "p"
+quantity = "displacement-y"
+body = "plate"
+point = [0.5, 0.05]
+[goal]
+probe = "p"
+statistic = "mean"
+[output]
+average_from = 0.5
+"""
+AT_ONE_END = ('solid.clamps=[{ body = "plate", face = "left" }]', "probes.p.point=[1.0, 0.05]")
+TALL = "solid.bodies.plate.rectangle=[0.0, 0.0, {}, 0.1]"
 
 
 def bound(case, *sets):
@@ -73,10 +101,10 @@ def bound(case, *sets):
     return error_bound(scene, scene_numbers(scene))
 
 
-def text_scene(folder, text):
+def text_scene(folder, text, *sets):
     path = folder / "scene.toml"
     path.write_text(text, encoding="utf-8")
-    return load_scene(path)
+    return load_scene(path, sets)
 
 
 @pytest.mark.parametrize(("sets", "damped"), [((), True), ((STRAIN_ENERGY, "references=[]"), False)])
@@ -102,8 +130,8 @@ def test_a_value_at_the_end_feels_the_phase():
     """Of an undamped beam it is soon not known at all; of a damped one as well as a deflection."""
     early, late = (bound("udl_beam_dynamic", *DYNAMIC, f"end_time={t}") for t in (0.0335, 0.335))
     assert late == pytest.approx(10.0 * early, rel=0.2)
-    assert math.isinf(bound("udl_beam_dynamic", *DYNAMIC, "end_time=6.7"))
-    assert bound("udl_beam_dynamic", *DYNAMIC, "solid.damping=190") == pytest.approx(0.0027, rel=0.01)
+    assert math.isinf(bound("udl_beam_dynamic", *DYNAMIC, "end_time=13.4"))
+    assert bound("udl_beam_dynamic", *DYNAMIC, "solid.damping=190") == pytest.approx(0.0009, rel=0.02)
 
 
 @pytest.mark.parametrize("statistic", ["slope", "decay", "wave-decay"])
@@ -129,7 +157,7 @@ def test_the_body_that_the_goal_asks_about_is_judged(tmp_path):
     scene = text_scene(tmp_path, TWO_BODIES)
     plate = scene_numbers(scene).plate
     assert (plate.name, plate.thickness, plate.thinnest) == ("bracket", 0.06, pytest.approx(0.02))
-    assert 0.0172 <= error_bound(scene, scene_numbers(scene)) <= 0.03
+    assert 0.0172 <= error_bound(scene, scene_numbers(scene)) <= 0.04
     assert {f.rule: f.value for f in findings(scene, scene_numbers(scene))}["particles across"] == pytest.approx(4.0)
 
 
@@ -151,3 +179,32 @@ def test_viscosity_beyond_measure_is_refused_for_its_steps():
     assert lattice_step(1e-6, 1e12) == pytest.approx(LATTICE_SHARE * 0.5e-24)
     assert [f.verdict for f in findings(scene, scene_numbers(scene)) if f.rule == "steps"] == ["refuse"]
     assert "steps" in next(r.reason for r in ladder(scene) if r.solid == "total-lagrangian")
+
+
+@pytest.mark.parametrize(
+    ("sets", "error"),
+    [
+        ((), 0.0411),
+        (("solid.dx=0.0166667",), 0.0240),
+        (("solid.dx=0.00833333",), 0.0092),
+        (("solid.dx=0.0166667", "probes.p.point=[0.25, 0.05]"), 0.0312),
+        (("solid.poisson_ratio=0.45",), 0.0800),
+        ((TALL.format(0.5), "probes.p.point=[0.25, 0.05]"), 0.1126),
+        ((TALL.format(0.5), "probes.p.point=[0.25, 0.05]", "solid.poisson_ratio=0.45"), 0.1673),
+        ((*AT_ONE_END, TALL.format(0.3), "probes.p.point=[0.3, 0.05]", "solid.poisson_ratio=0.3"), 0.0784),
+        (("solid.model=beam", "solid.poisson_ratio=0.3"), 0.0094),
+        (("solid.model=beam", "solid.poisson_ratio=0.49"), 0.0418),
+        ((*AT_ONE_END, "solid.model=beam", "solid.poisson_ratio=0.49"), 0.0193),
+    ],
+)
+def test_clamps_are_bounded_by_what_2d_elasticity_says_of_them(tmp_path, sets, error):
+    """Errors of runs under a uniform load that came to rest, against quadratic elements."""
+    scene = text_scene(tmp_path, CLAMPED, *sets, "solid.loads[0].traction=[0.0, -0.01]")
+    assert error <= of_structure(scene, scene_numbers(scene)) <= 2.5 * error
+
+
+def test_a_force_at_the_tip_is_no_load_all_over(tmp_path):
+    """F L³/3D, at the table's largest factor; not the tip's traction over the whole length."""
+    load = '{ body = "plate", face = "right", traction = [0.0, 2.0], table = { times = [0, 1], factors = [0, -4] } }'
+    plate = scene_numbers(text_scene(tmp_path, CLAMPED, *AT_ONE_END, f"solid.loads=[{load}]")).plate
+    assert plate.deflection == pytest.approx(0.8 / (3.0 * plate.stiffness))
