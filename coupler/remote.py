@@ -130,7 +130,11 @@ class Remote:
 
     def end_save(self) -> None:
         """Wait until it is written."""
+        path = self._pending.info["path"]
         self._receive()
+        if not Path(path).is_file():
+            without = "one that cannot save needs output.checkpoint_every = 0"
+            raise BadMessage(f"save from {self.name}: it has answered, and there is no file {path}; {without}")
 
     def load(self, path: Path) -> None:
         """The participant takes its state from the file `path`."""

@@ -140,8 +140,8 @@ class ZenohLink:
         self._stall_after = stall_after
         self._connected = threading.Event()
         self._broken: float | None = None  # when its connection ended
-        self._beat = (awake(), "")  # arrival of the last heartbeat, and its text
-        self._progress = awake()  # when the text last changed
+        self._beat = (awake(), b"")  # arrival of the last heartbeat, and what it said
+        self._progress = awake()  # when that last changed
         self._waiting = False
         self._woken = awake()  # when the reader was last woken, or began to wait
         self._lost: ShearwaterError | None = None
@@ -156,10 +156,10 @@ class ZenohLink:
         threading.Thread(target=_watch, args=(weakref.ref(self),), daemon=True).start()
 
     def _on_heartbeat(self, sample: zenoh.Sample) -> None:
-        now, text = awake(), sample.payload.to_string()
-        if text != self._beat[1]:
+        now, said = awake(), sample.payload.to_bytes()
+        if said != self._beat[1]:
             self._progress = now
-        self._beat = (now, text)
+        self._beat = (now, said)
 
     def _on_liveliness(self, sample: zenoh.Sample) -> None:
         if sample.kind == zenoh.SampleKind.DELETE:
@@ -214,7 +214,7 @@ class ZenohLink:
                 f"the {self.name} participant has sent no heartbeat for {now - self._beat[0]:.0f} s: "
                 "it is stopped, or its machine is out of reach"
             )
-        stepping = self._beat[1] not in ("", "0")
+        stepping = self._beat[1] not in (b"", b"0")
         if now - self._progress > (self._stall_after if stepping else _FIRST_STEP_WITHIN_S):
             raise ParticipantLost(
                 f"the {self.name} participant is alive but has neither answered nor made a time step for "

@@ -82,15 +82,16 @@ def test_silent_participant_is_named(monkeypatch):
 
 
 @pytest.mark.timeout(60)
-def test_stalled_participant_is_named():
-    """Heartbeats arrive, the number of steps in them stands still."""
+@pytest.mark.parametrize("beats", ["41", b"\xff\xfe"])
+def test_stalled_participant_is_named(beats, capfd):
+    """Heartbeats arrive, the number of steps in them, or whatever it is, stands still."""
     with listening("run") as (session, _):
         link = ZenohLink(session, "run", "fluid", alive, stall_after=1.0)
         stop = threading.Event()
 
         def beat():
             while not stop.wait(0.1):
-                session.put("shearwater/run/fluid/heartbeat", "41")
+                session.put("shearwater/run/fluid/heartbeat", beats)
 
         heart = threading.Thread(target=beat)
         heart.start()
@@ -102,6 +103,7 @@ def test_stalled_participant_is_named():
         finally:
             stop.set()
             heart.join()
+    assert capfd.readouterr().err == ""
 
 
 @pytest.mark.timeout(60)

@@ -101,6 +101,21 @@ def test_a_malformed_reply_is_refused_by_name(toy_spring, verb, change, words):
     assert error.value.exit_code == 3
 
 
+def test_a_participant_that_only_says_that_it_has_saved_is_refused(toy_spring, tmp_path):
+    service, path = Service(Participant(toy_spring(), "solid"), "r"), tmp_path / "solid.h5"
+
+    def forgetful(message):
+        path.unlink()
+        return message
+
+    remote = Remote(InProcessLink(altered("save", forgetful)(service.handle)), "r", "solid")
+    remote.describe()
+    remote.start(Clock(1.0, 1), np.arange(4), frames=1, probe_rows=1)
+    remote.begin_save(path)
+    with pytest.raises(BadMessage, match="save from solid: it has answered, and there is no file"):
+        remote.end_save()
+
+
 def test_a_fluid_says_the_speed_of_sound_or_none(toy_weight):
     numbers = {"density": 1.0, "support": 1.0}
     assert whole_run(toy_weight(), "fluid", altered("describe", {"numbers": numbers}))["steps"]
