@@ -11,6 +11,8 @@ worst found; dx spacing of the fluid. The structure's part, and what its swing a
                        sound: the water's mass counts tan θ/θ times         a tank on springs
     water at rest      dx/H (ctvf), 3 dx/H (wcsph), a tenth with h = 2 dx  still_tank, soft_plate, hydrostatic_plate
                        times buoyancy over what it leaves of the weight of a plate under water
+    its surface        besides, over its height above the gauge: g H²/(2 c0²), and 0.05 dx; no bound for a gauge at it
+    its push sideways  besides, 2 g H/(3 c0²): settled water stands lower at the same pressure below
     its pressure at z  besides, over z: the level of settled water, g (H² − z²)/(2 c0²) lower, 0.05 dx more with less
                        than h = 2 dx, and 0.09 R (1 − z/R)² of a sensor of reach R > z
                                                                        at 2.5 to 40 cm in half a metre, dx 1 to 4 cm
@@ -29,7 +31,7 @@ import math
 import numpy as np
 
 from coupler.preflight_afloat import afloat, to_equilibrium
-from coupler.preflight_error_flow import MOTIONS, SMOOTH, flow_error
+from coupler.preflight_error_flow import MOTIONS, SMOOTH, flow_error, off_level
 from coupler.preflight_error_solid import (
     PHASE,
     SWING,
@@ -112,7 +114,17 @@ def _at_rest(scene: Scene, n: Numbers, floats: bool) -> float:
     error = REST[water.model] * water.dx / water.height * crowded * _left_of_weight(scene, n)
     if probe is not None and probe.quantity == "pressure":
         error += _near_surface(scene, n, probe)
+    if probe is not None and probe.quantity == "elevation":
+        error += off_level(scene, n, probe, SAG) or UNKNOWN
+    if probe is not None and _across(scene, probe):
+        error += 2.0 * math.hypot(*scene.gravity) * water.height / (3.0 * water.sound_speed**2)
     return error + (_waterline(scene, n, probe) if floats else 0.0)
+
+
+def _across(scene: Scene, probe: Probe) -> bool:
+    """Whether the probe is of a force across gravity."""
+    axis = {"force-x": 0, "force-y": 1}.get(probe.quantity)
+    return axis is not None and any(scene.gravity) and scene.gravity[axis] == 0.0
 
 
 def _near_surface(scene: Scene, n: Numbers, probe: Probe) -> float:
