@@ -103,7 +103,8 @@ def place_rows(places, periodic):
     one after the other, of all others one behind these; if `periodic`, of all where they are. Returns how many rows
     there are, the ring counted."""
     if periodic:
-        places[:] = np.arange(places.size)
+        for row in range(places.size):
+            places[row] = row
         return places.size
     here, after, last = 0, places[0], 0
     for row in range(places.size):

@@ -4,6 +4,10 @@ One set of flags everywhere: a callee without flags would keep those of its firs
 `nnan` and `ninf`, so that checks for NaN and infinity work. Compiled code is cached in a folder named by a digest
 of the sources that it can depend on: numba's cache looks only at the file of the function compiled, and would go on
 running an old callee after an edit elsewhere.
+
+Two things would lengthen the wait of a first run: an index of `prange` given to a callee as it is, which is compiled
+once for each of the two types that numba gives the index on the way (`np.uint64(k)` is of one); and an array assigned
+to another's slice, which compiles numba's words for unlike shapes, two seconds of them.
 """
 
 from __future__ import annotations

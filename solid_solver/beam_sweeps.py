@@ -95,7 +95,8 @@ def _assemble(q0, q1, v, a, strain0, rate, free, mass, h, stiffness, eta, dt, no
         if not free[k]:
             residual[k] = 0.0
             blocks[k] = 0.0
-            blocks[k, 1] = np.eye(3)
+            for i in range(3):
+                blocks[k, 1, i, i] = 1.0
 
 
 @njit
@@ -154,7 +155,9 @@ def _one_step(state, free, ends, mass, h, stiffness, eta, dt, load, work):
             v[k, i] += gain
             a[k, i] = gain / dt
     _keep_book(q, q1, v, a, dt, mass, eta, node, couple, book)
-    q[...] = q1
+    for k in range(len(q)):
+        for i in range(3):
+            q[k, i] = q1[k, i]
     strains(q, h, strain1)
     for e in range(len(rate)):
         if not max(abs(strain1[e, 0]), abs(strain1[e, 1])) < LARGEST_STRAIN:
@@ -162,6 +165,17 @@ def _one_step(state, free, ends, mass, h, stiffness, eta, dt, load, work):
         for i in range(3):
             rate[e, i] = (strain1[e, i] - strain0[e, i]) / dt
     return iterations
+
+
+@njit
+def _sum_loads(load, steady, share, ramped):
+    """`load` = `steady` + Σ `share` · `ramped`."""
+    for k in range(len(load)):
+        for i in range(load.shape[1]):
+            total = steady[k, i]
+            for g in range(share.size):
+                total += share[g] * ramped[g, k, i]
+            load[k, i] = total
 
 
 @njit
@@ -183,11 +197,8 @@ def steps(state, clamps, mass, h, stiffness, eta, dt, steady, ramped, shares):
     node, couple = steady[0].copy(), steady[1].copy()
     total = 0
     for m in range(len(shares)):
-        node[...] = steady[0]
-        couple[...] = steady[1]
-        for g in range(shares.shape[1]):
-            node += shares[m, g] * ramped[0][g]
-            couple += shares[m, g] * ramped[1][g]
+        _sum_loads(node, steady[0], shares[m], ramped[0])
+        _sum_loads(couple, steady[1], shares[m], ramped[1])
         iterations = _one_step(state, free, ends[m], mass, h, stiffness, eta, dt, (node, couple), work)
         if iterations == 0:
             return 0

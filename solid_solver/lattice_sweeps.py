@@ -9,6 +9,7 @@ transpose of the fit applied to the energy's derivatives by D. Fields over the p
 
 from __future__ import annotations
 
+import numpy as np
 from numba import prange
 
 from shared.jit import inline_njit, njit, parallel_njit
@@ -190,9 +191,11 @@ def steps(now, planes, gathers, clamps, axes, moment, material, loads, kicks, dt
         kick = kicks[1] if last else kicks[0]
         drift = 0.0 if last else dt
         share = shares[n]
-        for c in prange(forward[1].size - 1):
+        for k in prange(forward[1].size - 1):
+            c = np.uint64(k)
             _stress_of_chunk(c, u, stress, strain, scratch[c], forward, driven, sizes[n], axes, moment, lam, mu, tau)
-        for c in prange(transposed[1].size - 1):
+        for k in prange(transposed[1].size - 1):
+            c = np.uint64(k)
             _motion_of_chunk(c, u, v, a, stress, scratch[c], transposed, load, ramped, share, kick, drift, density)
 
 
@@ -212,4 +215,4 @@ def _derivatives_of_chunk(chunk, u, planes, d, forward, driven, sizes):
 def derivative_sweep(u, planes, scratch, forward, driven, sizes):
     """D of displacements `u` at every particle into `planes` (10, slots); `sizes` (g, 2) of the clamps' fields."""
     for c in prange(forward[1].size - 1):
-        _derivatives_of_chunk(c, u, planes, scratch[c], forward, driven, sizes)
+        _derivatives_of_chunk(np.uint64(c), u, planes, scratch[c], forward, driven, sizes)

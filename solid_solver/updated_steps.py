@@ -109,7 +109,7 @@ def needs(blocks, S, gauge, closest, reach, crowded):
     particles are crowded below the distance `crowded` over s.
     """
     for n in prange(blocks.start.size):
-        closest[n] = _look(n, blocks, S, gauge)
+        closest[n] = _look(np.uint64(n), blocks, S, gauge)
     return _needs(blocks, S, gauge, closest, reach, crowded)
 
 
@@ -132,20 +132,20 @@ def steps(S, blocks, watch, kernel, held, loads, kick, numbers, corrected):
     for n in range(begin, shares.shape[0] - 1):
         if n > begin and n % CADENCE == 0:
             for k in prange(blocks.start.size):
-                closest[k] = _look(k, blocks, S, gauge)
+                closest[k] = _look(np.uint64(k), blocks, S, gauge)
             if _needs(blocks, S, gauge, closest, reach, crowded) & heeded:
                 return n
         _kicked(S, blocks, steady, ramped, shares[n], kick)
         _drifted(S, blocks, slots, places[n + 1], dt)
         if corrected is None:
             for chunk in prange(chunks):
-                quadratic_stress(chunk, blocks, S, code, h, material, dt)
+                quadratic_stress(np.uint64(chunk), blocks, S, code, h, material, dt)
             for chunk in prange(chunks):
-                quadratic_forces(chunk, blocks, S, code, h, viscosity)
+                quadratic_forces(np.uint64(chunk), blocks, S, code, h, viscosity)
         else:
             for chunk in prange(chunks):
-                linear_stress(chunk, blocks, S, code, h, material, dt, corrected)
+                linear_stress(np.uint64(chunk), blocks, S, code, h, material, dt, corrected)
             for chunk in prange(chunks):
-                linear_forces(chunk, blocks, S, code, h, viscosity)
+                linear_forces(np.uint64(chunk), blocks, S, code, h, viscosity)
         _kicked(S, blocks, steady, ramped, shares[n + 1], kick)
     return shares.shape[0] - 1
