@@ -7,8 +7,10 @@ worst found; dx spacing of the fluid. The structure's part, and what its swing a
                        (neither this nor a column bears a body that floats, this none without weight)
     column             0.1 % of a mean, and a plate's sag over the depth, for columns do not level out; 30 % of the
                        swing of a plate that bends, whose water flows sideways too (share of the first mode,
-                       coupler/preflight_numbers.py); where it carries sound θ²/4 of a swing, θ the depth in radians of
-                       sound: the water's mass counts tan θ/θ times         a tank on springs
+                       coupler/preflight_numbers.py)
+    sound              of water that carries it θ²/4 of a swing, θ the depth in radians of sound, or L/π of a plate that
+                       does not close its water, whose mass counts tan θ/θ times
+                                                                            a tank on springs, a floor under 5 cm
     water at rest      dx/H (ctvf), 3 dx/H (wcsph), a tenth with h = 2 dx  still_tank, soft_plate, hydrostatic_plate
                        times buoyancy over what it leaves of the weight of a plate under water
     its surface        besides, over its height above the gauge: g H²/(2 c0²), and 0.05 dx; no bound for a gauge at it
@@ -44,7 +46,7 @@ from coupler.preflight_error_solid import (
 from coupler.preflight_finding import COLUMN, PARTICLE_FLUIDS, STEADY, of_particles
 from coupler.preflight_numbers import Numbers
 from coupler.preflight_plate import goals_probe, of_a_body
-from coupler.preflight_rules_joint import HELMHOLTZ_REFUSE
+from coupler.preflight_swing import RADIATES, carries_sound, radiates, sounding
 from shared.geometry import outline
 from shared.schema import Scene
 from shared.schema_probes import Probe
@@ -103,12 +105,12 @@ def _at_rest(scene: Scene, n: Numbers, floats: bool) -> float:
     water, probe, steady = n.water, goals_probe(scene), scene.goal.statistic in STEADY
     if probe is not None and probe.quantity in MOTIONS and not of_a_body(scene):
         return UNKNOWN
-    if not steady and _radiates(n):
+    if not steady and radiates(scene, n):
         return UNKNOWN
     if not steady and n.plate is not None and n.plate.model == "spring":
         smooth = SMOOTH[water.model] * water.dx
         if n.joint.closes:  # it carries all the water along, and none flows round it
-            return smooth / water.height * (0.5 if scene.goal.statistic in TIMES else 1.0)
+            return smooth / water.height * (0.5 if scene.goal.statistic in TIMES else 1.0) + _sounding(scene, n)
         return smooth / min(water.width, n.plate.thickness)
     crowded = CROWDED if scene.fluid.h_over_dx >= CROWD else 1.0
     error = REST[water.model] * water.dx / water.height * crowded * _left_of_weight(scene, n)
@@ -118,6 +120,7 @@ def _at_rest(scene: Scene, n: Numbers, floats: bool) -> float:
         error += off_level(scene, n, probe, SAG) or UNKNOWN
     if probe is not None and _across(scene, probe):
         error += 2.0 * math.hypot(*scene.gravity) * water.height / (3.0 * water.sound_speed**2)
+    error += 0.0 if steady else _sounding(scene, n)
     return error + (_waterline(scene, n, probe) if floats else 0.0)
 
 
@@ -152,12 +155,14 @@ def _waterline(scene: Scene, n: Numbers, probe: Probe | None) -> float:
 
 
 def _sounding(scene: Scene, n: Numbers) -> float:
-    """Error of a swing by the sound that crosses a column late."""
-    if not scene.fluid.column.compressible or n.joint is None or n.plate is None or n.plate.frequency is None:
+    """Error of a swing by the sound that crosses the water late."""
+    if n.joint is None or n.plate.frequency is None or not carries_sound(scene):
         return 0.0
-    wet = n.plate.frequency / math.sqrt(1.0 + n.joint.mass_ratio)
-    theta = 2.0 * math.pi * wet * n.joint.depth / n.water.sound_speed
-    return 0.25 * theta**2 if theta < HELMHOLTZ_REFUSE else UNKNOWN
+    theta = sounding(scene, n) * n.joint.reach / n.joint.depth
+    if n.water.model == "column":
+        wet = n.plate.frequency / math.sqrt(1.0 + n.joint.mass_ratio)
+        theta = 2.0 * math.pi * wet * n.joint.depth / n.water.sound_speed
+    return 0.25 * theta**2 if theta < RADIATES else UNKNOWN
 
 
 def _left_of_weight(scene: Scene, n: Numbers) -> float:
@@ -169,10 +174,3 @@ def _left_of_weight(scene: Scene, n: Numbers) -> float:
         return 1.0
     left = abs(n.plate.density - n.water.density)
     return max(1.0, n.water.density / left) if left > 0.0 else UNKNOWN
-
-
-def _radiates(n: Numbers) -> bool:
-    """Whether sound crosses the water too slowly for the plate to feel its mass."""
-    if n.joint is None or n.joint.wet_frequency is None:
-        return False
-    return 2.0 * math.pi * n.joint.wet_frequency * n.joint.depth / n.water.sound_speed > HELMHOLTZ_REFUSE

@@ -15,10 +15,10 @@ found; n particles across, t/L thickness over length, ν Poisson's ratio, dx spa
 A period or a time of a peak feels half the error of a stiffness; less than two periods show none. A beam that starts in
 a higher mode, r times as fast, is r times as far from slender and takes r times as few steps in a period.
 
-Over a time T, a swing from rest about the answer leaves in a mean up to 2/(ωT) of its amplitude, 3/(ωT) of a strain
-energy. A value at the end feels the phase φ that a wrong frequency has gathered: a swing from 0 to twice its
-middle is off by 2 φ of its value or less in seven phases of ten; past 1 rad it may be anything. Slopes and decays are
-not bounded.
+Over a time T, a swing from rest about the answer (coupler/preflight_swing.py) leaves in a mean up to 2/(ωT) of its
+amplitude, 3/(ωT) of a strain energy, and an echo what it adds. A value at the end feels the phase φ that a wrong
+frequency has gathered: a swing from 0 to twice its middle is off by 2 φ of its value or less in seven phases of ten;
+past 1 rad it may be anything. Slopes and decays are not bounded.
 """
 
 from __future__ import annotations
@@ -26,9 +26,10 @@ from __future__ import annotations
 import math
 
 from coupler.preflight_error_clamps import clamps_slip, clamps_width
-from coupler.preflight_finding import PARTICLE_FLUIDS, STEADY
+from coupler.preflight_finding import STEADY
 from coupler.preflight_numbers import Numbers
-from coupler.preflight_plate import Plate, creep, goals_probe, of_a_body, swing_left
+from coupler.preflight_plate import Plate, goals_probe, of_a_body
+from coupler.preflight_swing import swing
 from shared.scene_models import STRESSES
 from shared.schema import Scene
 from shared.schema_solid import RIGID_MODELS
@@ -103,14 +104,8 @@ def not_bounded(scene: Scene, n: Numbers) -> str:
 def periods(scene: Scene, n: Numbers) -> float | None:
     """Periods of the plate's swing until the end; None where they are not known."""
     held = n.plate.clamps > 0 or n.plate.model == "spring"  # a free body moves as a whole first
-    frequency = _frequency(n) if held else None
-    return None if frequency is None else scene.end_time * frequency * overtone(scene, n.plate)
-
-
-def _frequency(n: Numbers) -> float | None:
-    """Of the plate's first swing [1/s], with the water that moves along."""
-    wet = None if n.joint is None or n.water.model == "still" else n.joint.wet_frequency
-    return n.plate.frequency if wet is None else wet
+    first = swing(scene, n) if held else None
+    return None if first is None else scene.end_time * first.omega / (2.0 * math.pi) * overtone(scene, n.plate)
 
 
 def overtone(scene: Scene, plate: Plate) -> float:
@@ -123,37 +118,32 @@ def overtone(scene: Scene, plate: Plate) -> float:
 
 def swing_in_a_mean(scene: Scene, n: Numbers) -> float:
     """What a swing from rest about the answer, or a creep to it, leaves in a mean."""
-    plate = n.plate
-    if plate is None or plate.frequency is None or scene.goal.statistic not in STEADY or _damped_by_water(n):
+    first = swing(scene, n)
+    if first is None or scene.goal.statistic not in STEADY:
         return 0.0
-    measured, omega = scene.end_time - scene.output.average_from, 2.0 * math.pi * _frequency(n)
-    left = swing_left(scene, plate)
-    if plate.damping >= 2.0 * omega:  # a creep counts as far as it dies
-        return left / max(creep(plate) * measured, 1.0)
+    start, end = scene.output.average_from, scene.end_time
+    measured, left, echoed = end - start, first.left(start), first.echoed(start, end)
+    if first.damping >= 2.0 * first.omega:  # a creep counts as far as it dies
+        return left / max(first.creep * measured, 1.0) + echoed
     probe = goals_probe(scene)
-    ends = 1.0 + math.exp(-creep(plate) * measured)  # of the time: both count until damping takes the later one away
+    ends = 1.0 + first.left(measured)  # of the time: both count until damping takes the later one away
     much = FIRST_MODE * QUADRATIC.get(probe.quantity if probe is not None else "", 1.0)
-    return left * min(much * ends / (omega * measured), 1.0)
+    return left * min(much * ends / (first.omega * measured), 1.0) + echoed
 
 
 def swing_at_the_end(scene: Scene, n: Numbers, error: float) -> float:
     """What a value at the end is off by the phase of a swing that damping has left, where a stiffness is by `error`."""
     plate, what = n.plate, scene.goal.statistic
     late = what == "final" or (what == "change" and _of_displacement(scene))
-    if plate is None or not late or not of_a_body(scene) or _damped_by_water(n):
+    if plate is None or not late or not of_a_body(scene):
         return 0.0
     seen = periods(scene, n)
     if seen is None:
         return 0.0
     # What swings about nothing is as wrong, whatever is left of it.
-    left = 1.0 if plate.deflection == 0.0 else math.exp(-creep(plate) * scene.end_time)
+    left = 1.0 if plate.deflection == 0.0 else swing(scene, n).left(scene.end_time)
     phase = 2.0 * math.pi * seen * (0.5 * error + _stepped(scene, plate))
     return UNKNOWN if phase > LOST and left > 0.5 else 2.0 * left * min(phase, LOST)
-
-
-def _damped_by_water(n: Numbers) -> bool:
-    """Water of particles takes the swing away itself."""
-    return n.water is not None and n.water.model in PARTICLE_FLUIDS
 
 
 def _of_displacement(scene: Scene) -> bool:

@@ -27,11 +27,14 @@ _SPANS = 0.9  # of the water's width: a plate this long moves the whole column
 @dataclass(frozen=True)
 class Joint:
     """What water and plate are to each other: r = ρ_f H/(ρ_s t), `depth` H [m] of the water along the plate's normal,
-    `wet_frequency` [1/s] with the mass of incompressible water or, of a sprung body, with its columns, `closes`: a body
-    spans the water's whole width."""
+    `reach` [m]: how far into it a swing is felt, `moved`: mass that swings over the plate's own, `wet_frequency` [1/s]
+    with the mass of incompressible water or, of a sprung body, of its column, `closes`: a body spans the water's whole
+    width."""
 
     mass_ratio: float
     depth: float
+    reach: float
+    moved: float
     wet_frequency: float | None
     closes: bool
 
@@ -59,27 +62,35 @@ def _joint(scene: Scene, water: Water, plate: Plate) -> Joint:
     corners = np.concatenate([outline(one).reshape(-1, 2) for one in scene.fluid.bodies])
     depth = float(np.ptp(corners @ normal))
     closing = [one.name for one in scene.solid.bodies if _closes(scene, one, corners)]
-    wet_frequency = None
+    own = plate.name in closing
+    reach = depth if own or not plate.clamps else min(depth, plate.length / math.pi)
+    moved, wet_frequency = 1.0, None
     if plate.frequency is not None and plate.clamps:  # a free body moves as a whole first
         # Incompressible water: a plate that closes its column moves all of it, another a layer of L/π on a side.
-        own = plate.name in closing
-        layer = depth * MODE_SHARE.get(plate.clamps, 1.0) if own else min(depth, plate.length / math.pi)
+        layer = reach * MODE_SHARE.get(plate.clamps, 1.0) if own else reach
         added = water.density * layer * max(plate.wet, 1)
-        wet_frequency = plate.frequency / math.sqrt(1.0 + added / (plate.density * plate.thickness))
-    elif plate.frequency is not None and plate.model == "spring" and water.model == "column" and plate.wet:
-        wet_frequency = plate.frequency * math.sqrt(_sprung_in_column(scene, water, plate, depth))
+        moved += added / (plate.density * plate.thickness)
+        wet_frequency = plate.frequency / math.sqrt(moved)
+    elif plate.frequency is not None and plate.model == "spring" and plate.wet and _in_column(water, plate, closing):
+        moved, stiffer = _sprung_in_column(scene, water, plate, depth)
+        wet_frequency = plate.frequency * math.sqrt(stiffer / moved)
     ratio = water.density * depth / (plate.density * plate.thinnest)
-    return Joint(ratio, depth, wet_frequency, bool(closing))
+    return Joint(ratio, depth, reach, moved, wet_frequency, bool(closing))
 
 
-def _sprung_in_column(scene: Scene, water: Water, plate: Plate, depth: float) -> float:
-    """What columns make of the square of a sprung body's frequency: all their mass with an open end, a third of it and
-    their own stiffness ρ c²/H with a closed one."""
+def _in_column(water: Water, plate: Plate, closing: list[str]) -> bool:
+    """Whether water moves with a sprung body as one column."""
+    return water.model == "column" or (plate.name in closing and not water.boxed)
+
+
+def _sprung_in_column(scene: Scene, water: Water, plate: Plate, depth: float) -> tuple[float, float]:
+    """How many times a sprung body's mass and stiffness columns make of them: all their mass with an open end, a third
+    of it and their own stiffness ρ c²/H with a closed one."""
     mass, column = plate.density * plate.thickness, plate.wet * water.density * depth
     if scene.fluid.column.far_end == "open":
-        return 1.0 / (1.0 + column / mass)
+        return 1.0 + column / mass, 1.0
     stiffer = column * (water.sound_speed / depth) ** 2 / (mass * (2.0 * math.pi * plate.frequency) ** 2)
-    return (1.0 + stiffer) / (1.0 + column / (3.0 * mass))
+    return 1.0 + column / (3.0 * mass), 1.0 + stiffer
 
 
 def _closes(scene: Scene, body: Body, corners: np.ndarray) -> bool:

@@ -75,18 +75,6 @@ def of_a_body(scene: Scene) -> bool:
     return named and probe.quantity not in FORCES
 
 
-def swing_left(scene: Scene, plate: Plate) -> float:
-    """What is left of a swing in the first mode when means begin."""
-    return math.exp(-creep(plate) * scene.output.average_from)
-
-
-def creep(plate: Plate) -> float:
-    """Rate [1/s] at which the first mode comes to rest: η/2, or, damped beyond return, η/2 − √(η²/4 − ω²)."""
-    half, omega = 0.5 * plate.damping, 2.0 * math.pi * plate.frequency
-    # the second as a quotient: the difference of like numbers would be nothing
-    return half if half < omega else omega**2 / (half + math.sqrt(half**2 - omega**2))
-
-
 def measure_plate(scene: Scene, water: Water | None) -> Plate:
     solid, probe = scene.solid, goals_probe(scene)
     thinnest = min(solid.bodies, key=lambda one: lengthwise(one)[1])

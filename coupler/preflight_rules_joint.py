@@ -6,13 +6,14 @@ import math
 
 from coupler.preflight_finding import COLUMN, STEADY, Finding, above, below, of_particles
 from coupler.preflight_numbers import Numbers
+from coupler.preflight_swing import RADIATES, sounding
 from coupler.preflight_window import expected_plan, expected_window
 from coupler.window import largest_alpha
 from shared.ghost_inertia import ghost_inertia, ghosts_feel_acceleration, largest_inertia
 from shared.schema import Scene
 from shared.schema_solid import PARTICLE_MODELS
 
-HELMHOLTZ_WARN, HELMHOLTZ_REFUSE = 0.8, math.pi / 2.0  # half and all of a quarter wave, where a column resonates
+HELMHOLTZ_WARN, HELMHOLTZ_REFUSE = 0.8, RADIATES  # half and all of a quarter wave, where a column resonates
 DENSITY_RATIO = (0.009, 100.0)  # polystyrene foam in water 0.015, tungsten in it 19
 MASS_RATIO_WARN = 50.0  # the heaviest water that was run explicitly over its plate: hydrostatic_plate, 15
 ALPHA_WARN = 8.0 / 7.0  # of the largest of automatic windows; 0.07 decays and 0.14 grows on a reflecting column
@@ -27,7 +28,7 @@ def helmholtz(scene: Scene, n: Numbers) -> Finding | None:
     if n.joint is None or not of_particles(n) or n.joint.wet_frequency is None:
         return None
     j, w = n.joint, n.water
-    value = 2.0 * math.pi * j.wet_frequency * j.depth / w.sound_speed
+    value = sounding(scene, n)
     wet = f"in incompressible water the plate swings at {j.wet_frequency:.3g} Hz"
     if value <= HELMHOLTZ_WARN:
         return Finding("Helmholtz", value, "ok", f"{wet}; sound crosses the water in time")

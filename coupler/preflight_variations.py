@@ -3,15 +3,15 @@ the `--set` texts that make it."""
 
 from __future__ import annotations
 
-import math
 from collections.abc import Iterator
 
 from coupler.preflight_finding import PARTICLE_FLUIDS, STEADY
 from coupler.preflight_numbers import Numbers, scene_numbers
-from coupler.preflight_plate import goals_probe, swing_left
+from coupler.preflight_plate import goals_probe
 from coupler.preflight_rules_joint import SUPPORT_WARN
 from coupler.preflight_rules_plate import ACROSS_WARN
 from coupler.preflight_rules_water import WATER_ACROSS_WARN
+from coupler.preflight_swing import swing
 from shared.scene_models import FORCES, REACTIONS
 from shared.schema import Scene
 from shared.schema_fluid import Column
@@ -70,7 +70,8 @@ def _rests(scene: Scene, n: Numbers) -> bool:
     if scene.goal is None or scene.goal.statistic not in STEADY or scene.end_time <= scene.output.average_from:
         return False
     stiff = n.plate.deflection is None or n.plate.deflection < _STIFF * n.water.height
-    return stiff and (n.plate.frequency is None or swing_left(scene, n.plate) < _AT_REST)
+    swings = swing(scene, n)
+    return stiff and (swings is None or swings.left(scene.output.average_from) < _AT_REST)
 
 
 def has_particles(scene: Scene) -> bool:
@@ -107,15 +108,15 @@ def fits(n: Numbers) -> bool:
 def dampings(scene: Scene, n: Numbers) -> Iterator[Varied]:
     """The scene as it is, and damped to rest where the goal is a mean that only the start-up swing disturbs."""
     yield scene, ()
-    plate, probe = n.plate, goals_probe(scene)
+    first, probe = swing(scene, n), goals_probe(scene)
     if probe is None or probe.quantity not in _LINEAR:
         return
-    alone = n.water is None or n.water.model not in PARTICLE_FLUIDS
-    if plate is None or plate.frequency is None or not alone or scene.goal.statistic not in STEADY:
+    flows = n.water is not None and not n.water.rests
+    if first is None or flows or scene.goal.statistic not in STEADY:
         return
-    if plate.model in RIGID_MODELS:  # have dampers of their own
+    if n.plate.model in RIGID_MODELS:  # have dampers of their own
         return
-    damping = float(f"{2.0 * _DAMPING_RATIO * 2.0 * math.pi * plate.frequency:.3g}")
-    if damping > plate.damping and scene.output.average_from > 0.0:
+    damping = float(f"{2.0 * _DAMPING_RATIO * first.omega * first.moved:.3g}")
+    if damping > n.plate.damping and scene.output.average_from > 0.0:
         solid = scene.solid.model_copy(update={"damping": damping})
         yield scene.model_copy(update={"solid": solid}), (f"solid.damping={damping:g}",)

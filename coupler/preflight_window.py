@@ -7,6 +7,7 @@ import math
 import numpy as np
 
 from coupler.preflight_numbers import Numbers
+from coupler.preflight_swing import carries_sound
 from coupler.window import Plan, make_plan, mass_ratio
 from shared.contract import Description
 from shared.fluid_step import COURANT
@@ -23,7 +24,7 @@ def expected_plan(scene: Scene, n: Numbers) -> Plan | None:
         return None
     w, p = n.water, n.plate
     fluid = {"density": w.density, "support": w.support, "h": w.h}
-    if _carries_sound(scene):
+    if carries_sound(scene):
         fluid["sound_speed"] = w.sound_speed
     solid = {"density": p.density, "thickness": p.thinnest, "wave_speed": p.wave_speed}
     sides = (
@@ -46,7 +47,3 @@ def expected_window(scene: Scene, n: Numbers) -> float | None:
     """The window [s] of that plan."""
     plan = expected_plan(scene, n)
     return None if plan is None else min(plan.window, scene.end_time)
-
-
-def _carries_sound(scene: Scene) -> bool:
-    return scene.fluid.model != "still" and (scene.fluid.model != "column" or scene.fluid.column.compressible)
