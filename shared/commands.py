@@ -21,6 +21,7 @@ from shared.schema import Scene
 from shared.start import INTERRUPTED, on_stop_signals
 from shared.stopping import STOP, ask_once_more
 from shared.streams import lost_output
+from shared.unwritable import out_of_memory
 
 Case = Annotated[str, typer.Argument(help="A scene file, or the name of a shipped case.", show_default=False)]
 Out = Annotated[Path | None, typer.Option(help="Run directory to make; default runs/CASE.", show_default=False)]
@@ -52,6 +53,9 @@ def run_app(app: typer.Typer) -> None:
     except ShearwaterError as error:
         _say(f"error: {error}")
         code = error.exit_code
+    except MemoryError as error:
+        _say(f"error: {out_of_memory(error)}")
+        code = 3
     except OSError as error:
         _say(f"error: {error}; check the disk's free space and the rights on the run directory, then run again")
         code = 3

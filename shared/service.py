@@ -12,6 +12,7 @@ import numpy as np
 from shared.clock import Clock, Window
 from shared.contract import Kinematics, Loads, ShearwaterError, exchange_fields
 from shared.participant import Participant, kinematics_shapes
+from shared.unwritable import out_of_memory
 from shared.wire import BadMessage, Message, check_envelope, check_fields, decode, encode
 
 log = logging.getLogger("shearwater")
@@ -64,8 +65,10 @@ class Service:
             return self._refusal(request, type(error).__name__, str(error), error.exit_code)
         except Exception as error:
             log.error("%s", traceback.format_exc())
-            text = f"{self.participant.name}: internal error, {type(error).__name__}: {error} (see this side's log)"
-            return self._refusal(request, type(error).__name__, text, 3)
+            kind = type(error).__name__
+            out = isinstance(error, MemoryError)
+            what = out_of_memory(error) if out else f"internal error, {kind}: {error} (see this side's log)"
+            return self._refusal(request, kind, f"{self.participant.name}: {what}", 3)
 
     def _reply(self, request: Message | None, verb: str, info: dict, fields: dict) -> bytes:
         where = {} if request is None else {k: getattr(request, k) for k in ("window", "iteration", "t0", "t1")}

@@ -1,7 +1,9 @@
-"""What to say where a file cannot be written, and the way out."""
+"""What to say where the machine refuses to write a file or has no memory left, and the way out."""
 
 from __future__ import annotations
 
+import errno
+import os
 from pathlib import Path
 
 from shared.contract import ShearwaterError
@@ -16,3 +18,11 @@ def cannot_write(what: str, path: Path, error: Exception, instead: str = "") -> 
         why = "The disk may be full or the folder not writable: free some space"
         why += f"{instead} or choose another place with --out DIR."
     return ShearwaterError(f"{what} {path} cannot be written ({error}). {why}")
+
+
+def out_of_memory(error: MemoryError) -> ShearwaterError:
+    """The error that tells of memory that was not there."""
+    refused, more = OSError(errno.ENOMEM, os.strerror(errno.ENOMEM)), f" ({error})" if str(error) else ""
+    return ShearwaterError(
+        f"{refused}{more}: a larger fluid.dx or solid.dx needs less, and there is more once other programs have ended."
+    )

@@ -17,6 +17,7 @@ import pytest
 import coupler.cli
 import fluid_solver.cli
 import shared.commands
+import shared.solver_cli
 import solid_solver.cli
 from coupler.report import write_report
 from shared.results import read_result
@@ -219,6 +220,16 @@ def test_full_disk(tmp_path, program):
     assert code == 3
     assert "disk may be full" in errors
     assert json.loads((tmp_path / "out" / "result.json").read_text())["status"] == "lost"
+
+
+def test_no_memory_left(command, monkeypatch):
+    def too_large(*_):
+        raise MemoryError("Unable to allocate 497. MiB")
+
+    monkeypatch.setattr(shared.solver_cli, "run_alone", too_large)
+    code, errors = command("fluid_solver", "dam_break")
+    assert code == 3
+    assert "Cannot allocate memory (Unable to allocate 497. MiB): a larger fluid.dx" in errors
 
 
 LOADING = """

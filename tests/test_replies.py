@@ -116,6 +116,16 @@ def test_a_participant_that_only_says_that_it_has_saved_is_refused(toy_spring, t
         remote.end_save()
 
 
+def test_a_side_without_memory_was_refused_it_by_the_system(toy_spring):
+    def too_large(*_):
+        raise MemoryError
+
+    spring = toy_spring()
+    spring.advance = too_large
+    with pytest.raises(RemoteError, match=r"solid: \[Errno 12\] Cannot allocate memory: a larger fluid.dx"):
+        whole_run(spring, "solid", lambda handle: handle)
+
+
 def test_a_fluid_says_the_speed_of_sound_or_none(toy_weight):
     numbers = {"density": 1.0, "support": 1.0}
     assert whole_run(toy_weight(), "fluid", altered("describe", {"numbers": numbers}))["steps"]
