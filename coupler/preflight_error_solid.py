@@ -10,7 +10,12 @@ found; n particles across, t/L thickness over length, ν Poisson's ratio, dx spa
     total-lagrangian   (0.08 + 0.15 ν)/n                                udl_beam at 6 … 20 across, ν 0 … 0.47
     ctvf               (0.15 + 0.15 ν)/n quadratic, 5/n² linear, 4.5/n printed gradient
     both               at least their clamps             udl_beam, hydrostatic_plate, a dam of gel as wide as high
-    clamps             preflight_error_clamps.py
+    all                + what particles hold of a body's area too much or too little (disc: 2 % at 10 across); a peak
+                       between two rows of probes
+    clamps, peaks of what comes at once                  preflight_error_clamps.py, preflight_error_sudden.py
+
+A force that presses a cantilever by a share s of Euler's load makes all of this count 1/(1 − s) times; past 1 it
+buckles, and what small differences decide has no bound.
 
 A period or a time of a peak feels half the error of a stiffness; less than two periods show none. A beam that starts in
 a higher mode, r times as fast, is r times as far from slender and takes r times as few steps in a period.
@@ -26,9 +31,11 @@ from __future__ import annotations
 import math
 
 from coupler.preflight_error_clamps import clamps_slip, clamps_width
+from coupler.preflight_error_sudden import PEAKS, jumps, sudden_error
 from coupler.preflight_finding import STEADY
 from coupler.preflight_numbers import Numbers
 from coupler.preflight_plate import Plate, goals_probe, of_a_body
+from coupler.preflight_shapes import FEW, excess
 from coupler.preflight_swing import swing
 from shared.scene_models import STRESSES
 from shared.schema import Scene
@@ -44,9 +51,8 @@ LAGRANGIAN = (0.08, 0.15)
 UPDATED = (0.15, 0.15)
 LINEAR, PRINTED = 5.0, 4.5
 KEPT = {"total-lagrangian": 1e-12, "spring": 1e-12, "rigid": 1e-12, "beam": 1e-3, "ctvf": 1e-2}
-"""What a model loses of a momentum, or of a stress carried round, that physics keeps."""
+"""What a model loses of a momentum, of a free flight, or of a stress carried round, that physics keeps."""
 TIMES = ("period", "wave-period", "t_min", "t_max")
-PEAKS = ("min", "max")
 PERIODS = ("period", "wave-period")
 UNBOUNDED = ("slope", "decay", "wave-decay")
 LEAST_PERIODS = 2.0
@@ -64,8 +70,11 @@ def of_structure(scene: Scene, n: Numbers) -> float:
         return UNKNOWN
     if what == "change" and not _of_displacement(scene):
         return KEPT[plate.model]
+    if _of_displacement(scene) and _moves_as_a_whole(scene, plate):
+        return KEPT[plate.model]
+    seen_late, filled = _between_rows(scene, n), 0.0 if plate.model == "beam" else _filled(scene, plate)
     if plate.model in RIGID_MODELS:
-        return 0.0
+        return filled + seen_late
     nu = solid.poisson_ratio
     if plate.model == "beam":
         probe = goals_probe(scene)
@@ -77,7 +86,31 @@ def of_structure(scene: Scene, n: Numbers) -> float:
     else:
         base, slope = LAGRANGIAN if plate.model == "total-lagrangian" else UPDATED
         bound = max((base + slope * nu) / plate.across, clamps_slip(scene, plate))
-    return bound * (0.5 if what in TIMES else 1.0) + (_stepped(scene, plate) if what in (*TIMES, *PEAKS) else 0.0)
+    bound *= (0.5 if what in TIMES else 1.0) / min(1.0 - plate.squeeze, 1.0)
+    bound += _stepped(scene, plate) if what in (*TIMES, *PEAKS) else 0.0
+    return bound + filled + sudden_error(scene, plate) + seen_late
+
+
+def _moves_as_a_whole(scene: Scene, plate: Plate) -> bool:
+    """Whether nothing but weight and a start moves a body: it flies whatever it is made of."""
+    solid, body = scene.solid, next(one for one in scene.solid.bodies if one.name == plate.name)
+    named = {one.body for one in (*solid.clamps, *solid.loads)}
+    bends = body.velocity_mode is not None or any(body.prestrain)
+    held = any(solid.spring.stiffness) or any(solid.spring.damping) or solid.motion is not None
+    return scene.fluid is None and plate.name not in named and not bends and not held
+
+
+def _filled(scene: Scene, plate: Plate) -> float:
+    """What particles hold of the body's area too much or too little, and so of its mass."""
+    body = next(one for one in scene.solid.bodies if one.name == plate.name)
+    return abs(excess(body, scene.solid.dx, FEW)) * (0.5 if scene.goal.statistic in TIMES else 1.0)
+
+
+def _between_rows(scene: Scene, n: Numbers) -> float:
+    """What a peak, or its time, loses between two rows of probes: of half a period, and of a cosine's height."""
+    what, seen = scene.goal.statistic, periods(scene, n)
+    missed = 0.0 if seen is None else seen / probe_rows(scene)
+    return 2.0 * missed if what in ("t_min", "t_max") else 0.5 * (math.pi * missed) ** 2 if what in PEAKS else 0.0
 
 
 def _bent(plate: Plate, what: str) -> float:
@@ -95,6 +128,10 @@ def not_bounded(scene: Scene, n: Numbers) -> str:
         return ""
     if what in UNBOUNDED and n.plate.model not in RIGID_MODELS:
         return f"no bound is known of a structure's {what}; a mean, peak or period has one"
+    if n.plate.squeeze >= 1.0:
+        return f"pressed by {n.plate.squeeze:.3g} of Euler's load it buckles, and small differences decide how far"
+    if jumps(scene, n.plate):
+        return f"behind a front that jumps the {what} of a stress overshoots; give the load a ramp"
     if what in PERIODS and (seen := periods(scene, n)) is not None and seen < LEAST_PERIODS:
         longer = scene.end_time * LEAST_PERIODS / seen
         return f"{seen:.2g} periods until the end show no {what}; end_time = {longer:.2g} or more"

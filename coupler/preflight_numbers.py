@@ -13,7 +13,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from coupler.preflight_plate import Plate, lengthwise, levels_before, measure_plate
+from coupler.preflight_held import lengthwise
+from coupler.preflight_plate import Plate, levels_before, measure_plate
 from coupler.preflight_water import Water, measure_water
 from shared.geometry import outline
 from shared.regions import axes_of

@@ -7,6 +7,16 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from coupler.preflight_held import (
+    FACES_OF_AXIS,
+    bending_frequency,
+    held_ends,
+    largest_factor,
+    lengthwise,
+    pushed_along,
+    squeezed,
+    swing_frequency,
+)
 from coupler.preflight_shapes import area
 from coupler.preflight_water import UPWARD, Water, edge_samples
 from shared.geometry import contains, outline, own_box
@@ -15,12 +25,11 @@ from shared.scene_models import FORCES
 from shared.schema import Scene
 from shared.schema_geometry import Body
 from shared.schema_probes import Probe
-from shared.schema_solid import RIGID_MODELS, Load
+from shared.schema_solid import RIGID_MODELS
 from shared.solid_step import (
     UPDATED_COURANT,
     beam_step,
     expected_limit,
-    first_frequency,
     lattice_step,
     viscous_time,
     wave_speed,
@@ -28,7 +37,6 @@ from shared.solid_step import (
 
 STATIC_FACTOR = {1: 8.0, 2: 384.0}  # k in the largest deflection q L⁴/(k D) under a uniform load
 TIP_FACTOR = 3.0  # the same of a cantilever, F L³/(k D) under a force at its tip
-FACES_OF_AXIS = (("left", "right"), ("bottom", "top"))
 _WET = 0.5  # of a face's samples before which water stands, from which it counts as wetted
 
 
@@ -36,7 +44,8 @@ _WET = 0.5  # of a face's samples before which water stands, from which it count
 class Plate:
     """The body that the goal asks about, or else the thinnest of the solid. `frequency` [1/s]: of a slender body, or of
     a rigid one on its springs; `deflection` [m]: of a slender body under the scene's loads; None where there is no such
-    thing. `stretch`: strain along its length under them; `wet`: number of its long faces with water before them at
+    thing. `stretch`: strain along its length under them; `along`: they push it along its length alone; `squeeze`: what
+    presses it along its length over Euler's load; `wet`: number of its long faces with water before them at
     t = 0; `thinnest` [m]: thickness of the thinnest body, the first to fail where an exchange or a spacing does."""
 
     name: str
@@ -51,6 +60,8 @@ class Plate:
     frequency: float | None
     deflection: float | None
     stretch: float
+    along: bool
+    squeeze: float
     wet: int
     particles: float
     step: float
@@ -81,19 +92,24 @@ def measure_plate(scene: Scene, water: Water | None) -> Plate:
     asked = (one for one in solid.bodies if probe is not None and one.name == probe.body)
     body = next(asked, thinnest)
     axis, thickness, length = lengthwise(body)
-    ends = _ends(scene, body)
+    ends = held_ends(scene, body)
     elastic = solid.youngs_modulus is not None and solid.model not in RIGID_MODELS
     nu, modulus = solid.poisson_ratio, solid.youngs_modulus or math.inf
     stiffness = modulus * thickness**3 / (12.0 * (1.0 - nu**2))
     frequency = deflection = None
+    levels = levels_before(scene, body) if water is not None else []
+    squeeze = squeezed(scene, body, len(levels) == 2) if elastic else 0.0
     if elastic:
-        frequency = _frequency(scene, body)
+        frequency = swing_frequency(scene, body, squeeze)
     damping = solid.damping
     if solid.model == "spring":
         frequency, damping = _sprung(scene, body)
     axes = axes_of(body.rotate)
-    levels = levels_before(scene, body) if water is not None else []
-    if elastic and ends:
+    stretch = _pull(scene, body, axis, axes[axis]) * (1.0 - nu**2) / modulus if elastic else 0.0
+    along = elastic and pushed_along(scene, body, axis)
+    if along and ends:
+        deflection = stretch * length
+    elif elastic and ends:
         uniform, tip = _load(scene, body, axes[1 - axis], water, levels)
         bending = uniform * length / STATIC_FACTOR[ends] + (tip / TIP_FACTOR if ends == 1 else 0.0)
         deflection = abs(bending) * length**3 / stiffness
@@ -109,32 +125,15 @@ def measure_plate(scene: Scene, water: Water | None) -> Plate:
         stiffness=stiffness,
         frequency=frequency,
         deflection=deflection,
-        stretch=_pull(scene, body, axis, axes[axis]) * (1.0 - nu**2) / modulus if elastic else 0.0,
+        stretch=stretch,
+        along=along,
+        squeeze=squeeze,
         wet=len(levels),
         particles=_solid_particles(scene),
         step=_solid_step(scene, ends),
         damping=damping,
         thinnest=lengthwise(thinnest)[1],
     )
-
-
-def lengthwise(body: Body) -> tuple[int, float, float]:
-    """Axis of a body's length in its own frame, its thickness and its length [m]."""
-    extent = np.subtract(*own_box(body)[::-1])
-    axis = int(extent[1] > extent[0])
-    return axis, float(extent[1 - axis]), float(extent[axis])
-
-
-def _ends(scene: Scene, body: Body) -> int:
-    """Number of a body's clamped ends."""
-    return sum(c.body == body.name and c.face in FACES_OF_AXIS[lengthwise(body)[0]] for c in scene.solid.clamps)
-
-
-def _frequency(scene: Scene, body: Body) -> float:
-    """First bending frequency [1/s] of a body as a thin beam."""
-    solid, (_, thickness, length) = scene.solid, lengthwise(body)
-    stiffness = solid.youngs_modulus * thickness**3 / (12.0 * (1.0 - solid.poisson_ratio**2))
-    return first_frequency(_ends(scene, body), length, stiffness, solid.density * thickness)
 
 
 def _sprung(scene: Scene, body: Body) -> tuple[float | None, float]:
@@ -164,7 +163,7 @@ def _solid_step(scene: Scene, clamps: int) -> float:
     """As the model will choose it, where a lattice's largest frequency is an expectation (shared/solid_step.py)."""
     solid = scene.solid
     if solid.model == "beam":
-        return beam_step(max(_frequency(scene, body) for body in solid.bodies))
+        return beam_step(max(bending_frequency(scene, body) for body in solid.bodies))
     if solid.model in RIGID_MODELS:
         return scene.end_time
     spacing_time = solid.dx / wave_speed(solid)
@@ -203,7 +202,7 @@ def _load(
     tip = 0.0
     for one in solid.loads:
         if one.body == body.name:
-            along = float(np.dot(one.traction or one.acceleration, normal)) * _largest_factor(one)
+            along = float(np.dot(one.traction or one.acceleration, normal)) * largest_factor(one)
             if one.face in FACES_OF_AXIS[axis]:
                 tip += along * thickness
             else:
@@ -218,11 +217,6 @@ def _load(
     return abs(load) + pressure, abs(tip)
 
 
-def _largest_factor(load: Load) -> float:
-    """The factor of a load that is largest in size."""
-    return 1.0 if load.table is None else max(load.table.factors, key=abs)
-
-
 def _pull(scene: Scene, body: Body, axis: int, along: np.ndarray) -> float:
     """Stress [Pa] along the body's length at its clamped end, by end loads and weight; an estimate."""
     solid = scene.solid
@@ -230,5 +224,5 @@ def _pull(scene: Scene, body: Body, axis: int, along: np.ndarray) -> float:
     stress = float(np.dot(scene.gravity, along)) * solid.density * length if solid.gravity else 0.0
     for one in solid.loads:
         if one.body == body.name and one.face in FACES_OF_AXIS[axis]:
-            stress += float(np.dot(one.traction, along)) * _largest_factor(one)
+            stress += float(np.dot(one.traction, along)) * largest_factor(one)
     return abs(stress)

@@ -14,6 +14,7 @@ SLENDER_WARN, SLENDER_REFUSE = 5.0, 3.0
 CAUCHY_WARN, CAUCHY_REFUSE = 10.0, 1000.0  # dam_break_plate has 2.5 and bends by half its length
 ACROSS_WARN, ACROSS_REFUSE = 4.0, 3.0
 POISSON_WARN = 0.49
+EULER_SAID, EULER_WARN = 0.5, 0.9  # of Euler's load
 
 
 def slenderness(scene: Scene, n: Numbers) -> Finding | None:
@@ -37,6 +38,16 @@ def cauchy(scene: Scene, n: Numbers) -> Finding | None:
     verdict = above(value, CAUCHY_WARN, CAUCHY_REFUSE)
     way_out = "" if verdict == "ok" else "check the units of solid.youngs_modulus, of loads and of lengths"
     return Finding("Cauchy", value, verdict, reason, way_out)
+
+
+def euler(scene: Scene, n: Numbers) -> Finding | None:
+    """What presses a cantilever along its length over the load that buckles it; nothing to say of less than half."""
+    if n.plate is None or n.plate.squeeze <= EULER_SAID:
+        return None
+    value = n.plate.squeeze
+    verdict = above(value, EULER_WARN)
+    reason = "it buckles" if value >= 1.0 else f"errors of stiffness count {1.0 / (1.0 - value):.3g} times in bending"
+    return Finding("Euler", value, verdict, reason, "" if verdict == "ok" else "less load along it, or a stiffer plate")
 
 
 def across(scene: Scene, n: Numbers) -> Finding | None:

@@ -28,7 +28,7 @@ def filled_area(scene: Scene, n: Numbers) -> Finding | None:
     if not small:
         return None
     value, side, name = max(
-        ((excess(body, dx), side, body.name) for side, body, dx in small), key=lambda one: abs(one[0])
+        ((excess(body, dx, MOST_FILLED), side, body.name) for side, body, dx in small), key=lambda one: abs(one[0])
     )
     verdict = above(abs(value), AREA_WARN)
     if abs(value) < AREA_EXACT:

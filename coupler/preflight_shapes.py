@@ -11,6 +11,8 @@ from shared import geometry
 from shared.regions import Same
 from shared.schema_geometry import Shape
 
+FEW = 2e4  # cells up to which an error bound counts what particles hold too much
+
 
 @lru_cache(maxsize=512)
 def _area(same: Same) -> float:
@@ -27,6 +29,8 @@ def area(shape: Shape) -> float:
     return _area(Same(shape))
 
 
-def excess(shape: Shape, dx: float) -> float:
-    """What a shape's particles at spacing `dx` [m] hold beyond its area, over the area."""
-    return _excess(Same(shape), dx)
+def excess(shape: Shape, dx: float, most: float) -> float:
+    """What a shape's particles at spacing `dx` [m] hold beyond its area, over the area; 0 of a rectangle, which they
+    fit, and of more than `most` cells, for then it is small."""
+    cells = np.prod(np.subtract(*geometry.own_box(shape)[::-1])) / dx**2
+    return 0.0 if shape.rectangle is not None or cells > most else _excess(Same(shape), dx)

@@ -55,6 +55,7 @@ TRIPPED = (
     ("mass_ratio", "hydrostatic_plate", ["solid.density=500", "coupling.scheme=serial-explicit"], "mass ratio", "warn"),
     ("window_number", "hydrostatic_plate", ["coupling.window=1e-3"], "window α", "warn"),
     ("window_number", "hydrostatic_plate", ["coupling.window=1e-2"], "window α", "refuse"),
+    ("euler", "dam_break_plate", ["solid.youngs_modulus=1e5"], "Euler", "warn"),
     ("across", "udl_beam", ["solid.dx=4e-3"], "particles across", "warn"),
     ("support", "dam_break_plate", ["fluid.dx=5e-3"], "thickness/support", "warn"),
     ("support", "dam_break_plate", ["fluid.dx=1e-2"], "thickness/support", "refuse"),

@@ -171,6 +171,8 @@ def test_three_times_as_long_as_thick_is_three_times():
 def test_a_plate_between_two_waters_bears_the_difference_of_their_levels(tmp_path, level, pressure):
     plate = scene_numbers(text_scene(tmp_path, BETWEEN_LEVELS.replace("LEVEL", str(level)))).plate
     assert plate.wet == 2
+    weight = 0.315 * (1200.0 - 1000.0) * 9.81 * 0.04 * 0.6
+    assert plate.squeeze == pytest.approx(weight * 4.0 * 0.6**2 / (math.pi**2 * plate.stiffness))
     assert plate.deflection == pytest.approx(pressure * 0.6**4 / (8.0 * plate.stiffness), rel=1e-9, abs=1e-12)
 
 

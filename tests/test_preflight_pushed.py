@@ -1,0 +1,155 @@
+"""Pre-flight of structures that are pushed along their length, all at once, or that their particles do not fill."""
+
+from __future__ import annotations
+
+import math
+
+import pytest
+
+from coupler.preflight_error import error_bound
+from coupler.preflight_error_solid import of_structure
+from coupler.preflight_ladder import ladder
+from coupler.preflight_numbers import scene_numbers
+from coupler.preflight_rules import findings
+from tests.test_preflight_structures import AT_ONE_END, CLAMPED, text_scene
+
+BAR = (*AT_ONE_END, "solid.youngs_modulus=1e7", "solid.damping=0", "end_time=0.0816", "output.average_from=0")
+PULLED = 'solid.loads=[{ body = "plate", face = "right", traction = [1000.0, 0.0] }]'
+SIDEWAYS = ("probes.p.quantity=displacement-x", PULLED)
+FINE = "solid.dx=0.0125"
+GEL = (
+    "solid.bodies.plate.rectangle=[0.0, 0.0, 1.0, 0.25]",
+    'solid.clamps=[{ body = "plate", face = "bottom" }]',
+    "probes.p.point=[0.5, 0.25]",
+)
+LEDGES = (
+    'solid.bodies=[{ name = "plate", polygon = [[0, 0], [0.06, 0], [0.94, 0], [1, 0], [1, 0.1], [0, 0.1]] }]',
+    'solid.clamps=[{ body = "plate", face = "edge-0" }, { body = "plate", face = "edge-2" }]',
+    "solid.poisson_ratio=0.3",
+)
+AS_POLYGON = (
+    'solid.bodies=[{ name = "plate", polygon = [[0, 0], [1, 0], [1, 0.1], [0, 0.1]] }]',
+    'solid.clamps=[{ body = "plate", face = "edge-1" }, { body = "plate", face = "edge-3" }]',
+)
+DISC = (
+    'solid.bodies=[{ name = "plate", circle = { centre = [0.0, 0.0], radius = 0.1 }, free = true }]',
+    "solid.clamps=[]",
+    "solid.loads=[]",
+    "gravity=[0.0, -9.81]",
+    "solid.dx=0.02",
+    "solid.damping=0",
+    "goal.statistic=final",
+)
+
+
+def numbers(folder, *sets):
+    scene = text_scene(folder, CLAMPED, *sets)
+    return scene, scene_numbers(scene)
+
+
+def test_a_bar_swings_along_its_length(tmp_path):
+    """c/4L, not the bending frequency, a fifteenth of it: two periods are seen, and its stretch is its deflection."""
+    scene, n = numbers(tmp_path, *BAR, *SIDEWAYS, "goal.statistic=period", FINE)
+    assert n.plate.frequency == pytest.approx(25.0)
+    assert n.plate.deflection == pytest.approx(1e-4)
+    assert "refuse" not in {f.verdict for f in findings(scene, n)}
+    assert 0.00126 <= error_bound(scene, n) <= 4.0 * 0.00126
+    bent = numbers(tmp_path, *BAR, "gravity=[0.0, -1.0]", "solid.loads=[]")[1].plate
+    assert bent.frequency == pytest.approx(1.615, rel=0.001)
+
+
+@pytest.mark.parametrize(
+    ("sets", "error"),
+    [
+        (("goal.statistic=max",), 0.0291),
+        (("goal.statistic=max", FINE), 0.0238),
+        (("goal.statistic=max", FINE, "solid.model=beam"), 0.0100),
+        (("goal.statistic=max", "solid.model=beam", "output.probe_interval=0.00204"), 0.0736),
+        (("goal.statistic=t_max", FINE), 0.0078),
+        (("goal.statistic=t_max", FINE, "solid.model=beam"), 0.0078),
+    ],
+)
+def test_fronts_are_worn_round(tmp_path, sets, error):
+    """A bar that is pulled at once: its end goes to and fro as a saw's tooth, to twice the stretch at rest."""
+    assert error <= error_bound(*numbers(tmp_path, *BAR, *SIDEWAYS, *sets)) <= 3.2 * error
+
+
+@pytest.mark.parametrize("model", ["beam", "total-lagrangian"])
+def test_what_jumps_with_a_front_has_no_bound(tmp_path, model):
+    sets = ("probes.p.quantity=stress-xx", PULLED, "goal.statistic=max", f"solid.model={model}")
+    scene, n = numbers(tmp_path, *BAR, *sets)
+    assert math.isinf(error_bound(scene, n))
+    assert any("give the load a ramp" in rung.reason for rung in ladder(scene))
+    assert math.isfinite(error_bound(*numbers(tmp_path, *BAR, *sets, "solid.loads[0].ramp=0.02")))
+
+
+def test_a_peak_of_a_reaction_shows_fast_modes(tmp_path):
+    """A cantilever under a sudden pressure: 3.4 % off with particles, 1.1 % with a beam, by 60 modes in 2-D."""
+    sets = (*AT_ONE_END, "solid.youngs_modulus=1e7", "solid.damping=0", "goal.statistic=max", "end_time=1.37")
+    probe = "probes=[{ name = 'p', quantity = 'reaction-y', body = 'plate' }]"
+    for model, error in (("total-lagrangian", 0.0336), ("beam", 0.0112)):
+        found = error_bound(*numbers(tmp_path, *sets, probe, f"solid.model={model}", "solid.dx=0.0166667"))
+        assert error <= found <= 4.0 * error
+
+
+@pytest.mark.parametrize(("share", "verdict"), [(0.3, None), (0.8, "ok"), (0.95, "warn"), (1.1, "warn")])
+def test_a_pressed_cantilever_is_soft_and_buckles(tmp_path, share, verdict):
+    """Euler's load π² D/4 L²: the swing slows by √(1 − s), errors count 1/(1 − s) times, past it there is no bound."""
+    plain, pressure = numbers(tmp_path, *AT_ONE_END)[1].plate, 10.0 * math.pi**2 / 4.0 * 1e6 * 0.1**3 / 12.0
+    loads = f'{{ body = "plate", face = "right", traction = [{-share * pressure}, 0.0] }}'
+    loads += ', { body = "plate", face = "top", traction = [0.0, 0.01] }'
+    scene, n = numbers(tmp_path, *AT_ONE_END, f"solid.loads=[{loads}]")
+    assert n.plate.squeeze == pytest.approx(share)
+    assert {f.rule: f.verdict for f in findings(scene, n)}.get("Euler") == verdict
+    if share > 1.0:
+        assert math.isinf(error_bound(scene, n))
+        assert any("buckles" in rung.reason for rung in ladder(scene))
+        return
+    assert n.plate.frequency == pytest.approx(plain.frequency * math.sqrt(1.0 - share))
+    straight = text_scene(tmp_path, CLAMPED, *AT_ONE_END, "solid.loads[0].traction=[0.0, 0.01]")
+    assert of_structure(scene, n) == pytest.approx(of_structure(straight, scene_numbers(straight)) / (1.0 - share))
+
+
+def test_a_hanging_cantilever_is_stiffer_and_a_standing_one_softer(tmp_path):
+    """It buckles under 7.837 D/L² of its own weight."""
+    for sense in (-1.0, 1.0):
+        weight = sense * 0.5 * 7.837 * 1e6 * 0.1**3 / 12.0 / (1000.0 * 0.1)
+        squeeze = numbers(tmp_path, *AT_ONE_END, f"gravity=[{weight}, 0.0]")[1].plate.squeeze
+        assert squeeze == pytest.approx(-0.5 * sense, rel=0.01)
+
+
+@pytest.mark.parametrize(
+    ("sets", "error"),
+    [
+        ((*GEL, 'solid.loads=[{ body = "plate", face = "top", traction = [10.0, 0.0] }]', "solid.dx=0.05"), 0.0410),
+        ((*GEL, 'solid.loads=[{ body = "plate", face = "top", traction = [10.0, 0.0] }]'), 0.0182),
+        ((*GEL, 'solid.loads=[{ body = "plate", face = "top", traction = [0.0, -10.0] }]'), 0.0137),
+        ((*LEDGES, "solid.dx=0.02"), 0.1858),
+        ((*LEDGES, "solid.dx=0.01"), 0.0881),
+    ],
+)
+def test_clamps_on_long_faces_and_ledges(tmp_path, sets, error):
+    """Errors of runs that came to rest, against quadratic elements."""
+    scene = text_scene(tmp_path, CLAMPED, *sets)
+    assert error <= of_structure(scene, scene_numbers(scene)) <= 2.5 * error
+
+
+def test_a_pressed_block_swings_over_its_thickness(tmp_path):
+    """c_p/4t, and sheared c_s/4t; not a quarter of it, the bending frequency of a free beam."""
+    for traction, speed in (("[0.0, -10.0]", 10.0 * 10.0**0.5), ("[10.0, 0.0]", 10.0 * 5.0**0.5)):
+        load = f'solid.loads=[{{ body = "plate", face = "top", traction = {traction} }}]'
+        assert numbers(tmp_path, *GEL, load)[1].plate.frequency == pytest.approx(speed)
+
+
+def test_an_edge_that_is_a_side_holds_as_that_side_does(tmp_path):
+    drawn, named = (numbers(tmp_path, *sets)[1].plate for sets in (AS_POLYGON, ()))
+    assert (drawn.clamps, drawn.frequency, drawn.deflection) == (2, named.frequency, named.deflection)
+
+
+def test_area_that_particles_hold_too_much_is_mass(tmp_path):
+    """A disc ten particles across is 1.9 % too heavy, rigid or not; where it flies to is not felt."""
+    probe = 'probes=[{ name = "p", quantity = "kinetic-energy", body = "plate" }]'
+    for model in ("spring", "total-lagrangian"):
+        assert 0.0186 <= error_bound(*numbers(tmp_path, *DISC, probe, f"solid.model={model}")) <= 0.04
+        flight = 'probes=[{ name = "p", quantity = "displacement-y", body = "plate", point = [0.0, 0.0] }]'
+        assert error_bound(*numbers(tmp_path, *DISC, flight, f"solid.model={model}")) <= 1e-9
