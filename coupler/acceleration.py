@@ -5,6 +5,7 @@ r = x̃ − x is the residual. Each class offers
     begin()                          a new window begins
     next(x, found, weight) → x       the next point to try; `weight` (n,) makes unlike entries comparable: norms and
                                      fits are of weight · r; entries of weight 0 are carried along
+    forget()                         the window ends without an answer: what it told of H is not to be used again
     state(), restore(state)          what is remembered from window to window, as named arrays
 
 Aitken: Irons & Tuck, Int. J. Numer. Methods Engrg. 1 (1969) 275. IQN-ILS: Degroote, Bathe & Vierendeels, Comput.
@@ -33,6 +34,8 @@ class Acceleration(Protocol):
 
     def next(self, x: np.ndarray, found: np.ndarray, weight: np.ndarray) -> np.ndarray: ...
 
+    def forget(self) -> None: ...
+
     def state(self) -> State: ...
 
     def restore(self, state: State) -> None: ...
@@ -51,6 +54,9 @@ class Constant:
         """The next point to try."""
         return x + self._omega * (found - x)
 
+    def forget(self) -> None:
+        """Nothing is remembered."""
+
     def state(self) -> State:
         """Nothing."""
         return {}
@@ -63,7 +69,7 @@ class Aitken:
     """x + ω_k r_k with ω_k = −ω_{k−1} r_{k−1}·(r_k − r_{k−1})/|r_k − r_{k−1}|²; a window begins with the last ω."""
 
     def __init__(self, omega: float):
-        self._omega = omega
+        self._first = self._omega = omega
         self._last: np.ndarray | None = None
 
     def begin(self) -> None:
@@ -83,6 +89,10 @@ class Aitken:
         self._last = residual
         return x + self._omega * (found - x)
 
+    def forget(self) -> None:
+        """Back to the first ω."""
+        self._omega = self._first
+
     def state(self) -> State:
         """The last ω."""
         return {"omega": np.array(self._omega)}
@@ -95,7 +105,9 @@ class Aitken:
 class IqnIls:
     """x̃ + Σ c_i Δx̃_i with the c_i that make |r + Σ c_i Δr_i| least; relaxation by ω while there are no differences.
 
-    Differences of `reuse` past windows go on being used, newest first.
+    Differences of `reuse` past windows go on being used, newest first; not those of a window that found no answer.
+    There H is not smooth, and differences across a jump say nothing of its slope: used on, they sent the next windows
+    17 times too far, until the structure turned inside out.
     """
 
     def __init__(self, omega: float, reuse: int):
@@ -122,6 +134,10 @@ class IqnIls:
         counted = weight > 0.0
         c = np.linalg.solve(upper, -(basis @ (weight * residual)[counted]))
         return found + c @ np.array([column for _, column in chosen])
+
+    def forget(self) -> None:
+        """The window's own differences go."""
+        self._columns[0].clear()
 
     def state(self) -> State:
         """The differences that are kept: per window (newest first) and pair (newest first) Δr and Δx̃."""

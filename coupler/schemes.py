@@ -87,6 +87,7 @@ class Iteration:
 
     def capped(self, window: Window, changes: list[float]) -> None:
         """All iterations are used up: fail, unless the scene says otherwise."""
+        self.acceleration.forget()
         if not self.accept_at_cap:
             raise SolverFailed(
                 f"window {window.index}, t = {window.t0:.6g} s: the loads still change by {changes[-1]:.2g} of "

@@ -59,7 +59,9 @@ class Coupling(Table):
     relaxation: Annotated[float, Field(gt=0.0, le=2.0)] = key(
         0.5, unit="-", about="factor ω of constant relaxation; the others' first step"
     )
-    reuse: Annotated[int, Field(ge=0, le=100)] = key(8, about="past windows whose differences iqn-ils goes on using")
+    reuse: Annotated[int, Field(ge=0, le=100)] = key(
+        8, about="past windows whose differences iqn-ils goes on using; those that did not converge are left out"
+    )
     tolerance: Annotated[float, Field(gt=0.0, lt=1.0)] = key(
         1e-4,
         unit="-",

@@ -6,6 +6,9 @@ import numpy as np
 import pytest
 
 from coupler.acceleration import Aitken, Constant, IqnIls
+from coupler.schemes import Iteration
+from coupler.vectors import Measure
+from shared.clock import Window
 
 
 def evaluations(acceleration, g, b, x, tolerance, weight=None, cap=400):
@@ -107,3 +110,15 @@ def test_constant_relaxation_flips_at_two_over_one_plus_g(g):
     for factor, converges in ((0.98, True), (1.02, False)):
         _, x = evaluations(Constant(factor * limit), np.array([g]), np.ones(1), np.zeros(1), 0.0, cap=300)
         assert (abs(x[0] - 1.0 / (1.0 + g)) < 1e-2) == converges
+
+
+@pytest.mark.parametrize("method", [IqnIls(0.5, 8), Aitken(0.5), Constant(0.5)])
+def test_what_a_window_without_an_answer_told_is_not_used_again(method):
+    """A structure was turned inside out by what was remembered of a load that jumps to and fro."""
+    g, b, x = np.array([0.5, 1.0]), np.ones(2), np.zeros(2)
+    method.begin()
+    for _ in range(10):
+        x = method.next(x, b - g * x + 5.0 * np.sign(np.sin(40.0 * x)), np.ones(2))
+    Iteration(method, Measure(0.0, 0.0, "force"), 10, True).capped(Window(0, 0.0, 1.0), [1.0])
+    method.begin()
+    np.testing.assert_array_equal(method.next(np.zeros(2), b, np.ones(2)), 0.5 * b)
