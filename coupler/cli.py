@@ -241,7 +241,7 @@ def parse_threads(text: str) -> dict[str, int]:
     counts = dict.fromkeys(("fluid", "solid"), default_threads())
     for part in filter(None, text.split(",")):
         side, _, count = part.partition("=")
-        if side not in counts or not count.isdigit() or int(count) < 1:
+        if side not in counts or not count.isdecimal() or int(count) < 1:
             raise BadInput(f"--threads {text!r}: {part!r} is not fluid=N or solid=N with N at least 1")
         counts[side] = int(count)
     return counts

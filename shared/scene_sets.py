@@ -23,7 +23,7 @@ def apply_sets(data: dict[str, Any], sets: Sequence[str]) -> list[str]:
     mistakes = []
     for text in sets:
         path, equals, value = text.partition("=")
-        parts = [m["quoted"] or m["index"] or m["bare"].strip() for m in _PART.finditer(path) if m.group().strip()]
+        parts = [_part(m) for m in _PART.finditer(path) if m.group().strip()]
         if not equals or not _PATH.fullmatch(path):
             mistakes.append(f"--set {text}: write path.to.key=value")
             continue
@@ -31,6 +31,12 @@ def apply_sets(data: dict[str, Any], sets: Sequence[str]) -> list[str]:
         if problem:
             mistakes.append(f"--set {text}: {problem}")
     return mistakes
+
+
+def _part(match: re.Match) -> str:
+    """A part of a path without what marks its kind; a name in quotes may be empty."""
+    kind = match.lastgroup
+    return match[kind].strip() if kind == "bare" else match[kind]
 
 
 def parse_value(text: str) -> Any:
@@ -66,7 +72,7 @@ def _item(items: list[Any], part: str) -> tuple[int, str | None]:
     names = [item.get("name", "") if isinstance(item, dict) else "" for item in items]
     if part in names:
         return names.index(part), None
-    if part.isdigit():
+    if part.isdecimal():
         number = int(part)
         return number, None if number < len(items) else f"item {number} of {len(items)}: numbers start at 0"
     return 0, f"no item named '{part}'" + suggest(part, [name for name in names if name])

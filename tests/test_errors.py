@@ -133,6 +133,8 @@ def test_missing_and_unreadable_files(command, tmp_path, program):
         (["fluid.dxx=1"], ["unknown key; did you mean 'dx'"]),
         (["solid.bodies.plat.free=true"], ["no item named 'plat'; did you mean 'plate'"]),
         (["title.x=3"], ["title is a value, not a table"]),
+        (['""=3'], ["unknown key"]),
+        (["solid.bodies.².free=true"], ["no item named '²'"]),
     ],
 )
 def test_mistakes_on_the_command_line(command, tmp_path, changes, words):
@@ -143,7 +145,7 @@ def test_mistakes_on_the_command_line(command, tmp_path, changes, words):
 
 
 def test_threads_and_directories(command, tmp_path):
-    for text in ("fluid=0", "water=1", "fluid=x", "2"):
+    for text in ("fluid=0", "water=1", "fluid=x", "fluid=²", "2"):
         code, errors = command("coupler", "dam_break_plate", "--threads", text)
         assert (code, text in errors) == (2, True)
     code, errors = command("coupler", "dam_break_plate", "--threads", "fluid=0", "--threads", "solid=1")
