@@ -46,6 +46,7 @@ from coupler.preflight_error_solid import (
 from coupler.preflight_finding import COLUMN, PARTICLE_FLUIDS, STEADY, of_particles
 from coupler.preflight_numbers import Numbers
 from coupler.preflight_plate import goals_probe, of_a_body
+from coupler.preflight_resonance import RESONANCE, resonance
 from coupler.preflight_swing import RADIATES, carries_sound, radiates, sounding
 from shared.geometry import outline
 from shared.schema import Scene
@@ -72,7 +73,9 @@ def error_parts(scene: Scene, n: Numbers) -> Parts:
     if n.water is not None:
         away = of_particles(n) and n.water.bottomless > 0.0
         parts[f"fluid {scene.fluid.model}"] = UNKNOWN if away else _fluid(scene, n)
-    swings = {SWING: swing_in_a_mean(scene, n), PHASE: swing_at_the_end(scene, n, sum(parts.values()))}
+    error = sum(parts.values())
+    swings = {SWING: swing_in_a_mean(scene, n), PHASE: swing_at_the_end(scene, n, error)}
+    swings[RESONANCE] = resonance(scene, n, error) if scene.solid is not None else 0.0
     return parts | {name: part for name, part in swings.items() if part > 0.0}
 
 

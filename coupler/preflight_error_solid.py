@@ -17,8 +17,10 @@ found; n particles across, t/L thickness over length, ν Poisson's ratio, dx spa
 A force that presses a cantilever by a share s of Euler's load makes all of this count 1/(1 − s) times; past 1 it
 buckles, and what small differences decide has no bound.
 
-A period or a time of a peak feels half the error of a stiffness; less than two periods show none. A beam that starts in
-a higher mode, r times as fast, is r times as far from slender and takes r times as few steps in a period.
+A plate that bends draws in by the square of its deflection: such a goal feels all twice. A period or a time of a peak
+feels half the error of a stiffness; less than two periods show none. A peak under a load's table may be one of
+resonance (preflight_resonance.py). A beam that starts in a higher mode, r times as fast, is r times as far from slender
+and takes r times as few steps in a period.
 
 Over a time T, a swing from rest about the answer (coupler/preflight_swing.py) leaves in a mean up to 2/(ωT) of its
 amplitude, 3/(ωT) of a strain energy, and an echo what it adds. A value at the end feels the phase φ that a wrong
@@ -33,10 +35,12 @@ import math
 from coupler.preflight_error_clamps import clamps_slip, clamps_width
 from coupler.preflight_error_sudden import PEAKS, jumps, sudden_error
 from coupler.preflight_finding import STEADY
+from coupler.preflight_held import lengthwise
 from coupler.preflight_numbers import Numbers
 from coupler.preflight_plate import Plate, goals_probe, of_a_body
 from coupler.preflight_shapes import FEW, excess
 from coupler.preflight_swing import swing
+from shared.regions import axes_of
 from shared.scene_models import STRESSES
 from shared.schema import Scene
 from shared.schema_solid import RIGID_MODELS
@@ -59,6 +63,7 @@ LEAST_PERIODS = 2.0
 FIRST_MODE = 1.05  # its swing over the deflection, and a thin beam's frequency over that with shear: up to 1.03 each
 QUADRATIC = {"strain-energy": 1.5}
 LOST = 1.0  # rad
+SHORTENED, ALONG = 2.0, 0.99  # of a displacement along a plate; cosine of its angle
 SWING, PHASE = "start-up swing in the mean", "phase of the swing at the end"
 UNKNOWN = math.inf
 
@@ -86,7 +91,7 @@ def of_structure(scene: Scene, n: Numbers) -> float:
     else:
         base, slope = LAGRANGIAN if plate.model == "total-lagrangian" else UPDATED
         bound = max((base + slope * nu) / plate.across, clamps_slip(scene, plate))
-    bound *= (0.5 if what in TIMES else 1.0) / min(1.0 - plate.squeeze, 1.0)
+    bound *= (0.5 if what in TIMES else SHORTENED if _shortens(scene, plate) else 1.0) / min(1.0 - plate.squeeze, 1.0)
     bound += _stepped(scene, plate) if what in (*TIMES, *PEAKS) else 0.0
     return bound + filled + sudden_error(scene, plate) + seen_late
 
@@ -95,9 +100,18 @@ def _moves_as_a_whole(scene: Scene, plate: Plate) -> bool:
     """Whether nothing but weight and a start moves a body: it flies whatever it is made of."""
     solid, body = scene.solid, next(one for one in scene.solid.bodies if one.name == plate.name)
     named = {one.body for one in (*solid.clamps, *solid.loads)}
-    bends = body.velocity_mode is not None or any(body.prestrain)
+    bends = body.velocity_mode is not None or any(body.prestrain) or body.spin  # about what its particles weigh
     held = any(solid.spring.stiffness) or any(solid.spring.damping) or solid.motion is not None
     return scene.fluid is None and plate.name not in named and not bends and not held
+
+
+def _shortens(scene: Scene, plate: Plate) -> bool:
+    """Whether the goal is how far a plate that bends is drawn in along its length: the square of its deflection."""
+    if not plate.clamps or plate.along or not _of_displacement(scene):
+        return False
+    body = next(one for one in scene.solid.bodies if one.name == plate.name)
+    component = ("displacement-x", "displacement-y").index(goals_probe(scene).quantity)
+    return abs(float(axes_of(body.rotate)[lengthwise(body)[0]][component])) > ALONG
 
 
 def _filled(scene: Scene, plate: Plate) -> float:
