@@ -34,7 +34,10 @@ class Scale(Table):
 
     def setting(self, value: float) -> str:
         """The change of the scene for a value of the axis, as after --set."""
-        return f"{self.path}={self.factor * value**self.power!r}"
+        try:
+            return f"{self.path}={self.factor * value**self.power!r}"
+        except OverflowError:
+            return f"{self.path}={math.inf}"  # which no scene takes
 
 
 class Across(Table):

@@ -33,6 +33,7 @@ _ROUND = 1e-9  # past 1, below which a root counts as on the unit circle
 _SCAN = 400  # values looked at before the boundary is bisected
 _BISECTIONS = 50
 _WHOLE = 1e-6  # how far 2/A may be off a whole number
+_MOST_WINDOWS = 200  # of a pulse's way, as many roots as are looked for
 
 
 def lagged_wall(scheme: str, order: int) -> Polynomial:
@@ -75,9 +76,11 @@ def largest_stable(polynomial: Callable[[float], Polynomial], most: float) -> fl
 
 
 def lagged_column(scene: Scene, x: float) -> float | None:
-    """Largest stable r at x = A, on the acoustic column; None where a pulse does not come back after whole windows."""
-    k, coupling, reflection = round(2.0 / x), scene.coupling, scene.fluid.column.reflection
-    if reflection and abs(k * x - 2.0) > _WHOLE:
+    """Largest stable r at x = A, on the acoustic column; None where a pulse does not come back after whole windows, or
+    after so many that there are too many roots to find."""
+    coupling, reflection = scene.coupling, scene.fluid.column.reflection
+    k = round(2.0 / x) if reflection else 1
+    if reflection and (abs(k * x - 2.0) > _WHOLE or k > _MOST_WINDOWS):
         return None
     order, scheme = coupling.predictor, coupling.scheme
     return largest_stable(lambda alpha: acoustic(alpha, order, reflection, k, scheme), 4.0) / x

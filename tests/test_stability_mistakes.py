@@ -15,6 +15,7 @@ from coupler.stability_kept import remembered
 from coupler.stability_map import VOCABULARY, load_map
 from coupler.stability_reference import reference_file, renewed
 from coupler.stability_runs import DIED_OUT, FAILED, growth_of, measure, rise_of
+from coupler.stability_theory import THEORIES
 from shared.contract import BadInput
 from shared.scene import load_scene
 
@@ -94,12 +95,18 @@ def test_a_file_that_is_no_text_is_refused(tmp_path):
         ),
         ("fluid.h_over_dx", "fluid.hoverdx", "fluid.hoverdx: unknown key"),
         ("[0.5, 1.0]", "[0.5, 1e9]", "fluid.courant = 1000000000.0: must be"),
+        ('"fluid.h_over_dx"', '"fluid.h_over_dx", power = 1e12', "fluid.h_over_dx = Infinity: must be"),
     ],
 )
 def test_mistakes_of_the_cells_are_named_before_any_run(written, tmp_path, monkeypatch, old, new, words):
     monkeypatch.setattr(stability, "remembered", None)  # what every run goes through
     with pytest.raises(BadInput, match=re.escape(words)):
         find_boundaries(load_map(written(old, new)), tmp_path / "out", print)
+
+
+def test_theory_looks_for_no_more_roots_than_it_can_find():
+    scene = load_scene("light_gate", ["fluid.model=column", "fluid.column.reflection=1.0"])
+    assert THEORIES["lagged-column"](scene, 1e-12) is None
 
 
 def test_a_theory_of_water_is_none_of_a_beam(written):
