@@ -145,5 +145,5 @@ def _why_lost(future: Future) -> str:
 
 
 def _report(variant: Variant, result: Result, say: Callable[[str], None]) -> None:
-    say(f"{variant.family}: {variant.label or 'as it stands'}")
+    say(f"{variant.family}: {variant.settings}")
     say(f"  {told(result)}")

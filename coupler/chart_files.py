@@ -79,12 +79,14 @@ def summary(chart: Chart) -> list[str]:
     if best is None:
         lines = [f"- No variant reaches the wanted error of {wanted}."]
     else:
-        what = f"**{best.variant.family}**, {best.variant.label or 'as it stands'}"
+        what = f"**{best.variant.family}**, {best.variant.settings}"
         reached = f"{100 * best.error:.2g} % in {best.cost:.3g} core-seconds of stepping"
         lines = [f"- Smallest under the wanted {wanted}: {what}: {reached}."]
     if chart.front:
         top = chart.front[-1]
-        lines.append(f"- Least error on the front: {top.variant.family}, {top.variant.label}: {100 * top.error:.2g} %.")
+        lines.append(
+            f"- Least error on the front: {top.variant.family}, {top.variant.settings}: {100 * top.error:.2g} %."
+        )
     for s in chart.slopes:
         text = f"- {s.series}: error ~ cost^{s.slope:.2f}, error ~ dx^{s.order:.2f}"
         if best is not None and math.isfinite(s.at) and s.series != best.variant.series:

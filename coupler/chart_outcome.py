@@ -46,7 +46,7 @@ def without_result(log: str, code: int) -> Result:
 def missing(variants: Sequence[Variant], results: Sequence[Result], values: Sequence, runs: Path) -> list[str]:
     """A sentence for every variant that has no value: why, and the way out."""
     return [
-        f"Missing: {v.family}, {v.label or 'as it stands'}: {_why(v, result)}: {_way_out(v, result, runs)}."
+        f"Missing: {v.family}, {v.settings}: {_why(v, result)}: {_way_out(v, result, runs)}."
         for v, result, value in zip(variants, results, values, strict=True)
         if value is None
     ]

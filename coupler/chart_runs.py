@@ -132,7 +132,7 @@ class _Runner:
         out = self.folder / variant.folder
         log = out.with_suffix(".log")
         resumed = _can_go_on(out)
-        self.say(f"{'going on with' if resumed else 'running'} {variant.family}: {variant.label or 'as it stands'}")
+        self.say(f"{'going on with' if resumed else 'running'} {variant.family}: {variant.settings}")
         code = self._ended(command("resume", variant.scene, str(out)), log) if resumed else BadInput.exit_code
         if code == BadInput.exit_code:  # nothing to go on from, or not after all
             _clear(out)

@@ -29,6 +29,11 @@ class Variant:
     folder: str
 
     @property
+    def settings(self) -> str:
+        """The label, in words where it is empty."""
+        return self.label or "as it stands"
+
+    @property
     def dx(self) -> float:
         """The spacing [m] that the error is plotted against: the finer of both sides."""
         return min(side.dx for side in (self.scene.fluid, self.scene.solid) if side is not None)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import csv
+from dataclasses import replace
 from types import SimpleNamespace
 
 import pytest
@@ -69,6 +70,8 @@ def test_a_chart_runs_once_says_what_is_enough_and_keeps_failures(case, tmp_path
     left = tmp_path / "chart" / "runs" / found.points[2].variant.folder
     assert summary(found)[-1].startswith("- Missing: torn, as it stands: failed, The beam failed at t =")
     assert summary(found)[-1].endswith(f"it is not run again unless {left} is removed.")
+    torn = replace(found, front=[replace(found.points[2], error=0.021)])
+    assert "- Least error on the front: torn, as it stands: 2.1 %." in summary(torn)
     assert found.smallest.variant.family == "beam"
     assert found.smallest.error < 1e-3
     assert [p.status for p in found.points] == ["finished", "finished", "failed"]
