@@ -55,7 +55,7 @@ def find_boundaries(stability: StabilityMap, folder: Path, say: Callable[[str], 
     for method in stability.methods:
         for x in stability.x.values:
             one = _boundary(stability, method, x, given)
-            where = "none" if one.found is None else f"{one.found:.4g}"
+            where = place_of(one.found, stability.y.range[0])
             beside = "" if one.theory is None else f", theory {one.theory:.4g}"
             say(f"{method.name}, {stability.x.name} = {x:.4g}: {where}{beside} ({len(one.tried)} runs)")
             found.append(one)
@@ -63,6 +63,13 @@ def find_boundaries(stability: StabilityMap, folder: Path, say: Callable[[str], 
     for line in agreement(stability, found):
         say(line)
     return found
+
+
+def place_of(found: float | None, first: float) -> str:
+    """Where a boundary was found by a search that began at `first`, in words."""
+    if found == first:
+        return f"{found:.4g} or before: runs are bad where the range begins; begin it where they are good"
+    return "none" if found is None else f"{found:.4g}"
 
 
 def agreement(stability: StabilityMap, found: list[Boundary]) -> list[str]:

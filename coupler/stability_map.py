@@ -53,7 +53,8 @@ class Upward(Table):
 
     name: str = key(about="what the axis shows")
     range: tuple[Positive, Positive] = key(
-        about="where the search begins, on the side where runs are good, and how far it goes; first may be the larger"
+        about="where the search begins, on the side where runs are good, and how far it goes; first may be the larger. "
+        "Where runs are bad at its beginning already, that is given as the boundary, with a word"
     )
     tolerance: Positive = key(0.01, about="relative width to which the boundary is bracketed")
     values: list[Positive] = key([], about="values that are run besides, to colour the map")

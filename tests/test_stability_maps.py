@@ -11,7 +11,7 @@ import pytest
 from coupler.preflight_numbers import scene_numbers
 from coupler.preflight_rules import findings
 from coupler.preflight_rules_joint import ALPHA_REFUSE
-from coupler.stability import Boundary, agreement, find_boundaries, write_map
+from coupler.stability import Boundary, agreement, find_boundaries, place_of, write_map
 from coupler.stability_check import check_map
 from coupler.stability_lattice import largest_courant, wave_numbers
 from coupler.stability_map import load_map, shipped_maps
@@ -95,6 +95,8 @@ def test_a_boundary_is_found_to_its_tolerance_and_its_absence_too():
     assert boundary(lambda y: False, 0.1, 100.0, 0.01) is None
     assert boundary(lambda y: False, 100.0, 0.1, 0.01) is None
     assert boundary(lambda y: True, 0.1, 100.0, 0.01) == 0.1
+    assert (place_of(3.7, 0.1), place_of(None, 0.1)) == ("3.7", "none")
+    assert "bad where the range begins" in place_of(0.1, 0.1)
 
 
 @pytest.mark.parametrize("rate", [-0.02, 0.03])
