@@ -128,7 +128,10 @@ class UpdatedLagrangian:
     def _better(self) -> str:
         """Words on what bears larger strains than the gradient in use."""
         if self._scene.solid.gradient == "quadratic":
-            return "raise solid.h_over_dx (to 1.3, or 1.5 if a load pulls at a free face), refine solid.dx, "
+            return (
+                "raise solid.h_over_dx (to 1.3, or 1.5 at a sharp corner or where a load pulls at a free face), refine "
+                "solid.dx, "
+            )
         return "use solid.gradient = 'quadratic', which bears larger strains, "
 
     def probe_values(self) -> dict[str, float]:

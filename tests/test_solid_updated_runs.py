@@ -123,3 +123,16 @@ def test_the_method_as_printed_breaks_a_pulled_strip_without_shifting():
     model = make_model(scene, False, 1)
     with pytest.raises(SolverFailed, match="fracture"):
         *_, _ = run(model, 0.1, 400)
+
+
+@pytest.mark.parametrize("h_over_dx", [1.3, 1.5])
+def test_a_sharp_corner_needs_more_neighbours_and_says_so(h_over_dx):
+    """The corner of a triangle, 37° wide, that spins: columns of one and two particles hardly span a quadratic."""
+    body = [{"name": "a", "polygon": [[0.0, 0.0], [0.3, 0.0], [0.0, 0.4]], "free": True, "spin": -2.0}]
+    scene = solid_scene(model="ctvf", dx=0.02, h_over_dx=h_over_dx, youngs_modulus=1e7, bodies=body)
+    steps = run(make_model(scene, False, 1), 0.005, 10)
+    if h_over_dx < 1.5:
+        with pytest.raises(SolverFailed, match=r"1\.5 at a sharp corner"):
+            list(steps)
+    else:
+        assert len(list(steps)) == 10
