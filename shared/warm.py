@@ -8,10 +8,12 @@ as long to compile as the rest of its step has a second child for them.
 
 from __future__ import annotations
 
+import errno
 import hashlib
 import os
 import subprocess
 import sys
+import tempfile
 from collections.abc import Mapping
 from pathlib import Path
 
@@ -24,6 +26,8 @@ from shared.schema import Scene
 from shared.sides import own_probes
 
 _TINY_STEPS = 2
+_ROOM = 1 << 22  # bytes, what the kernels of a scene need
+_FULL = (errno.ENOSPC, errno.EDQUOT, errno.EFBIG)  # disk, quota, limit of the shell
 _SWEEPING = ("wcsph", "ctvf")  # fluid models with `compile_sweeps`
 _FLAGS = ("model", "kernel", "gradient", "shifting")  # keys that choose kernels by their value
 _PRESENCE = ("viscosity", "alpha", "damping", "loads", "spring", "motion")  # keys that choose them by being there
@@ -43,7 +47,7 @@ def fill_cache(packages: Mapping[str, str], case: Path, scene: Scene) -> None:
     """Compile what is missing for each side's package, in child processes side by side; `case` is the scene's file.
 
     A child that fails says nothing here: the run itself will meet the same error and report it. Raises ParticipantLost
-    where one is stopped.
+    where one is stopped, ShearwaterError where there is no room for what they make.
     """
     parts = {}
     for side, package in packages.items():
@@ -51,6 +55,8 @@ def fill_cache(packages: Mapping[str, str], case: Path, scene: Scene) -> None:
             parts[f"compiles the {side} side"] = [package, "warm", str(case)]
             if side == "fluid" and scene.fluid.model in _SWEEPING:
                 parts[f"compiles the {side} side's sweeps"] = [package, "warm", str(case), "--sweeps"]
+    if parts:
+        _try_room()
     children = {
         name: subprocess.Popen(
             [sys.executable, "-m", *part, "--parent", str(os.getpid())],
@@ -66,6 +72,21 @@ def fill_cache(packages: Mapping[str, str], case: Path, scene: Scene) -> None:
         for child in children.values():
             child.kill()
             child.wait()
+
+
+def _try_room() -> None:
+    """See that the disk of the cache is not full; where it cannot be written for other reasons numba does without."""
+    folder = Path(numba.config.CACHE_DIR)
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+        with tempfile.TemporaryFile(dir=folder) as file:
+            file.write(bytes(_ROOM))
+    except OSError as error:
+        if error.errno in _FULL:
+            raise ShearwaterError(
+                f"There is no room for compiled code in {folder} ({error}): free some space on that disk, or name a "
+                "folder on another by the environment variable NUMBA_CACHE_DIR."
+            ) from None
 
 
 def take_a_tiny_step(model: Model, scene: Scene, side: str) -> None:
