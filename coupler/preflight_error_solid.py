@@ -10,8 +10,8 @@ found; n particles across, t/L thickness over length, ν Poisson's ratio, dx spa
     total-lagrangian   (0.08 + 0.15 ν)/n                                udl_beam at 6 … 20 across, ν 0 … 0.47
     ctvf               (0.15 + 0.15 ν)/n quadratic, 5/n² linear, 4.5/n printed gradient
     both               at least their clamps             udl_beam, hydrostatic_plate, a dam of gel as wide as high
-    all                + what particles hold of a body's area too much or too little (disc: 2 % at 10 across); a peak
-                       between two rows of probes
+    all                + what particles hold of a body's area too much or too little (disc: 2 % at 10 across), or of
+                       a spun one's inertia; a peak between two rows of probes
     clamps, peaks of what comes at once                  preflight_error_clamps.py, preflight_error_sudden.py
 
 A force that presses a cantilever by a share s of Euler's load makes all of this count 1/(1 − s) times; past 1 it
@@ -38,7 +38,7 @@ from coupler.preflight_finding import STEADY
 from coupler.preflight_held import lengthwise
 from coupler.preflight_numbers import Numbers
 from coupler.preflight_plate import Plate, goals_probe, of_a_body
-from coupler.preflight_shapes import FEW, excess
+from coupler.preflight_shapes import FEW, excess, excess_of_inertia
 from coupler.preflight_swing import swing
 from shared.regions import axes_of
 from shared.scene_models import STRESSES
@@ -115,8 +115,11 @@ def _shortens(scene: Scene, plate: Plate) -> bool:
 
 
 def _filled(scene: Scene, plate: Plate) -> float:
-    """What particles hold of the body's area too much or too little, and so of its mass."""
-    body = next(one for one in scene.solid.bodies if one.name == plate.name)
+    """What particles hold of the body's area too much or too little, and so of its mass; of a body that is spun, of
+    its inertia."""
+    body, probe = next(one for one in scene.solid.bodies if one.name == plate.name), goals_probe(scene)
+    if body.spin and probe is not None and probe.quantity in ("angular-momentum", "kinetic-energy"):
+        return abs(excess_of_inertia(body, scene.solid.dx, FEW))
     return abs(excess(body, scene.solid.dx, FEW)) * (0.5 if scene.goal.statistic in TIMES else 1.0)
 
 

@@ -34,3 +34,21 @@ def excess(shape: Shape, dx: float, most: float) -> float:
     fit, and of more than `most` cells, for then it is small."""
     cells = np.prod(np.subtract(*geometry.own_box(shape)[::-1])) / dx**2
     return 0.0 if shape.rectangle is not None or cells > most else _excess(Same(shape), dx)
+
+
+@lru_cache(maxsize=512)
+def _excess_of_inertia(same: Same, dx: float) -> float:
+    (x0, y0), (x1, y1) = np.moveaxis(geometry.outline(same.shape), 0, -1)
+    cross = x0 * y1 - x1 * y0
+    centre = np.array([cross @ (x0 + x1), cross @ (y0 + y1)]) / (6.0 * _area(same))
+    polar = cross @ (x0**2 + x0 * x1 + x1**2 + y0**2 + y0 * y1 + y1**2) / 12.0
+    particles = geometry.fill(same.shape, dx)
+    arm = particles.position - np.average(particles.position, axis=0, weights=particles.volume)
+    return float(particles.volume @ np.sum(arm**2, axis=1)) / (polar - _area(same) * centre @ centre) - 1.0
+
+
+def excess_of_inertia(shape: Shape, dx: float, most: float) -> float:
+    """What the polar moment of a shape's particles, as points, is beyond its own, over it; 0 of more than `most`
+    cells."""
+    cells = np.prod(np.subtract(*geometry.own_box(shape)[::-1])) / dx**2
+    return 0.0 if cells > most else _excess_of_inertia(Same(shape), dx)
