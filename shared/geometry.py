@@ -35,6 +35,7 @@ __all__ = [
 
 _LONGEST_MITRE = 2.0  # how far, over the depth, a layer runs on past a corner: farther ones are out of reach
 _OVERLAP = 0.25  # of dx: reach of the later segment past a corner's bisector; without, unlike spacings leave holes
+_TIE = 1e-6  # of dx: difference below which two faces are as near as each other
 _TOO_CLOSE = 0.5  # distance over dx below which two wall particles are taken as one
 
 
@@ -90,18 +91,26 @@ def wall_particles(walls: Sequence[Wall], dx: float, depth: float) -> list[Parti
     Cell-centred along each segment, n = round(L/dx). Past a convex corner the layers run on to the corner's
     bisector, so that a rectangular tank whose sides are multiples of dx gets the global lattice. A particle
     is kept only if no other segment is nearer than its own: layers meet without overlap in reflex corners and
-    within thin baffles. Walls that meet end to start (`wall_chains`) have the same corners as one polyline: each has
-    the particles of its own segments. Layers of a wall that stands on another's face end at that face, at other open
+    within thin baffles, and so do those of other walls of like motion: two tanks side by side share what is between
+    them. Walls that meet end to start (`wall_chains`) have the same corners as one polyline: each has the particles of
+    its own segments. Layers of a wall that stands on another's face end at that face, at other open
     ends they end with the polyline. `spacing` is (dx, dx): segments fit theirs each.
     """
     layers = (np.arange(math.ceil(depth / dx)) + 0.5) * dx
     layers = layers[layers < depth]
     position = [np.empty((0, 2)) for _ in walls]
     volume = [np.empty(0) for _ in walls]
-    for chain in chains(walls, dx):
-        laid = np.empty((0, 2))
+    found = chains(walls, dx)
+    for number, chain in enumerate(found):
+        motion = walls[chain.owner[0]].motion
+        like = [k for k, other in enumerate(found) if k != number and walls[other.owner[0]].motion == motion]
+        laid = np.concatenate([np.empty((0, 2)), *(position[k] for k, w in enumerate(walls) if w.motion == motion)])
         for index, wall in enumerate(chain.owner):
-            own, cell = _segment_layers(chain, index, layers, dx)
+            own, depths, cell = _segment_layers(chain, index, layers, dx)
+            for k in like:  # halfway between two, the first one's
+                deep = depths + (_TIE if k < number else -_TIE) * dx
+                mine = ~_beyond(found[k].segments, own, deep, chain.segments[index])
+                own, depths = own[mine], depths[mine]
             if len(laid) and len(own):
                 nearest, _ = cKDTree(laid).query(own, distance_upper_bound=dx)
                 own = own[nearest > _TOO_CLOSE * dx]
@@ -111,8 +120,25 @@ def wall_particles(walls: Sequence[Wall], dx: float, depth: float) -> list[Parti
     return [Particles(p, v, (dx, dx), np.eye(2)) for p, v in zip(position, volume, strict=True)]
 
 
-def _segment_layers(chain: Chain, index: int, layers: np.ndarray, dx: float) -> tuple[np.ndarray, float]:
-    """Layer particles (n, 2) [m] of one segment of a chain, cut at its corners; the volume [m²] of each."""
+def _beyond(faces: np.ndarray, points: np.ndarray, depths: np.ndarray, segment: np.ndarray) -> np.ndarray:
+    """Whether each of `points` (n, 2), that deep (n,) [m] behind a `segment`, is nearer than that behind one of the
+    `faces` (k, 2, 2), or has come out before one that looks away from the segment."""
+    along = _unit(segment)
+    length = np.hypot(*(segment[1] - segment[0]))
+    foot = segment[0] + np.clip((points - segment[0]) @ along, 0.0, length)[:, None] * along
+    found = np.zeros(len(points), dtype=bool)
+    for start, end in faces:
+        along = _unit(np.stack([start, end]))
+        right = np.array([along[1], -along[0]])
+        s, d = (points - start) @ along, (points - start) @ right
+        beside = (s > 0.0) & (s < np.hypot(*(end - start)))
+        found |= beside & (d < depths) & ((d > 0.0) | ((foot - start) @ right > _TIE * depths))
+    return found
+
+
+def _segment_layers(chain: Chain, index: int, layers: np.ndarray, dx: float) -> tuple[np.ndarray, np.ndarray, float]:
+    """Layer particles (n, 2) [m] of one segment of a chain, cut at its corners; how deep (n,) [m] they stand; the
+    volume [m²] of each."""
     start, end = chain.segments[index]
     length = np.hypot(*(end - start))
     direction = (end - start) / length
@@ -126,13 +152,13 @@ def _segment_layers(chain: Chain, index: int, layers: np.ndarray, dx: float) -> 
     d, s = np.meshgrid(layers, along)
     d, s = d.ravel(), s.ravel()
     points = start + s[:, None] * direction + d[:, None] * right
-    tie = 1e-6 * dx
+    tie = _TIE * dx
     keep = distance_to(chain.segments, points) >= d - tie
     if before is not None:
         keep &= (points - start) @ before.across > -before.reach * dx
     if after is not None:
         keep &= (points - end) @ after.across <= tie
-    return points[keep], float(spacing * dx)
+    return points[keep], d[keep], float(spacing * dx)
 
 
 @dataclass(frozen=True)

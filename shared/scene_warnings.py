@@ -11,6 +11,7 @@ from shared.geometry import fill, outline
 from shared.scene_geometry import WANTED_ACROSS, WANTED_ANISOTROPY, WANTED_RATIO, across
 from shared.scene_models import MODEL_WARNINGS
 from shared.schema import Scene
+from shared.thin_walls import THINNEST, thin_walls
 from shared.wall_chains import crowds
 
 _SAFE_MACH = 0.2  # free-fall speed over sound speed above which water is visibly compressed
@@ -24,6 +25,7 @@ def scene_warnings(scene: Scene) -> list[str]:
         _spacing_ratio,
         _walls,
         _crowds,
+        _thin_walls,
         _dissipation,
         _sound_speed,
         _intervals,
@@ -77,6 +79,15 @@ def _crowds(scene: Scene) -> Iterator[str]:
             f"walls[{group[0]}]: {names} meet in one point, where the ghost layers of each end, as no two of them are "
             "told to be one face; write those that are as one polyline, and let the third stand on it"
         )
+
+
+def _thin_walls(scene: Scene) -> Iterator[str]:
+    for what, _, wet in thin_walls(scene):
+        if not wet:
+            yield (
+                f"{what}, less than {THINNEST:g} fluid.dx: where water comes to both sides, the waters will see each "
+                "other through it"
+            )
 
 
 def _dissipation(scene: Scene) -> Iterator[str]:

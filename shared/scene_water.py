@@ -6,6 +6,7 @@ from collections.abc import Callable, Iterator
 
 from shared.expected_speed import NO_SPEED, expected_speed
 from shared.schema import Scene
+from shared.thin_walls import THINNEST, thin_walls
 from shared.wetted_faces import wet_links, why_no_columns
 
 
@@ -39,4 +40,14 @@ def _still(scene: Scene) -> Iterator[str]:
         )
 
 
-WATER_CHECKS: tuple[Callable[[Scene], Iterator[str]], ...] = (_sound_speed, _columns, _still)
+def _thin_walls(scene: Scene) -> Iterator[str]:
+    """No wall that holds two waters apart is thinner than its ghosts can tell."""
+    for what, thickness, wet in thin_walls(scene):
+        if wet:
+            yield (
+                f"{what} with water on both sides, less than {THINNEST:g} fluid.dx: the waters see each other through "
+                f"it. Make the wall thicker, or fluid.dx at most {thickness / THINNEST:.3g} m (half of it is better)"
+            )
+
+
+WATER_CHECKS: tuple[Callable[[Scene], Iterator[str]], ...] = (_sound_speed, _columns, _still, _thin_walls)

@@ -45,8 +45,8 @@ class Probe(Table):
     quantity: Quantity = key(
         about=(
             "displacement-x, -y: of a material point of a solid; pressure, velocity-x, -y: of the fluid at a "
-            "point (outside of water 0); elevation: of the fluid's surface over a point, up to the faces of walls and "
-            "structures (none behind them, nor without water); front-x, level: largest x and y of connected "
+            "point (0 out of reach of water); elevation: of the fluid's surface over a point, up to the faces of walls "
+            "and structures (none behind them, nor without water); front-x, level: largest x and y of connected "
             "fluid; max-speed, kinetic-energy: of a body; total-energy: of the fluid in motion, height (zero at the "
             "origin) and compression; clipped-impulse: sum of V Δp/c over all tension Δp that "
             "fluid.negative_pressure cut off so far; strain-energy, "
