@@ -47,7 +47,7 @@ from coupler.preflight_finding import COLUMN, PARTICLE_FLUIDS, STEADY, of_partic
 from coupler.preflight_numbers import Numbers
 from coupler.preflight_plate import goals_probe, of_a_body
 from coupler.preflight_resonance import RESONANCE, resonance
-from coupler.preflight_swing import RADIATES, carries_sound, radiates, sounding
+from coupler.preflight_swing import RADIATES, carries_sound, late, radiates
 from shared.geometry import outline
 from shared.schema import Scene
 from shared.schema_probes import Probe
@@ -161,7 +161,7 @@ def _sounding(scene: Scene, n: Numbers) -> float:
     """Error of a swing by the sound that crosses the water late."""
     if n.joint is None or n.plate.frequency is None or not carries_sound(scene):
         return 0.0
-    theta = sounding(scene, n) * n.joint.reach / n.joint.depth
+    theta = late(scene, n)
     if n.water.model == "column":
         wet = n.plate.frequency / math.sqrt(1.0 + n.joint.mass_ratio)
         theta = 2.0 * math.pi * wet * n.joint.depth / n.water.sound_speed

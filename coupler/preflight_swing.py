@@ -61,7 +61,7 @@ def swing(scene: Scene, n: Numbers) -> Swing | None:
         return None
     if joint is None or n.water.model == "still" or joint.wet_frequency is None:
         return Swing(2.0 * math.pi * plate.frequency, plate.damping)
-    if radiates(scene, n):
+    if late(scene, n) > RADIATES:
         omega = 2.0 * math.pi * plate.frequency
         carried = max(plate.wet, 1) * n.water.density * n.water.sound_speed / (plate.density * plate.thickness)
         back = 2.0 * joint.depth / n.water.sound_speed
@@ -76,6 +76,11 @@ def sounding(scene: Scene, n: Numbers) -> float:
     if n.joint is None or n.joint.wet_frequency is None or closed or not carries_sound(scene):
         return 0.0
     return 2.0 * math.pi * n.joint.wet_frequency * n.joint.depth / n.water.sound_speed
+
+
+def late(scene: Scene, n: Numbers) -> float:
+    """The same over the way into the water that the swing is felt, which is short where water flows round the plate."""
+    return sounding(scene, n) * n.joint.reach / n.joint.depth if n.joint is not None else 0.0
 
 
 def radiates(scene: Scene, n: Numbers) -> bool:
