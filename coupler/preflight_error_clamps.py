@@ -4,7 +4,8 @@ Measured against 2-D elasticity (quadratic elements): cantilevers and plates cla
 as thick, 4 to 20 particles across, ν 0 to 0.49; x = clamps × dx/L, t thickness, L length.
 
     of particles   give way within about a particle: (0.6 + 1.45 ν) x + 9 x² of clamped ends; (0.25 + 0.1 ν) dx/t of a
-                   long face; 1.2 dx/t where they hold a part of a side (ledges of 1 to 6 particles)
+                   long face, which counts as an end, x = dx/t, where water pushes along it; 1.2 dx/t where they hold a
+                   part of a side (ledges of 1 to 6 particles)
     of a beam      hold its section's width too: 0.42 ν²/(1 − ν) t/L per clamp
 
 of the largest deflection. It goes as the distance s from the clamp where the deflection goes as s²: 1/(ξ(2 − ξ)) times
@@ -17,13 +18,14 @@ import math
 
 from coupler.preflight_held import FACES_OF_AXIS, held_in_part, held_sides, lengthwise
 from coupler.preflight_plate import Plate, goals_probe
-from shared.regions import own_box, turn
+from shared.regions import axes_of, own_box, turn
 from shared.schema import Scene
 from shared.schema_geometry import Body
 
 SLIP = (0.6, 1.45, 9.0)
 FLAT = (0.25, 0.1)
 PART = 1.2
+ALONG = 0.7  # cosine to a face's normal below which a way is along it
 WIDTH = 0.42
 OF_ENERGY = 1.25
 
@@ -33,9 +35,20 @@ def clamps_slip(scene: Scene, plate: Plate) -> float:
     body, nu, dx = _body(scene, plate), scene.solid.poisson_ratio, scene.solid.dx
     parts = held_in_part(scene, body)
     share, flat = plate.clamps * dx / plate.length, len(held_sides(scene, body)) - plate.clamps - parts
+    if flat and _sheared(scene, plate, body):  # such a face is an end
+        share, flat = share + flat * dx / plate.thickness, 0
     ends = (SLIP[0] + SLIP[1] * nu) * share + SLIP[2] * share**2
     across = (FLAT[0] + FLAT[1] * nu) * flat + (PART if parts else 0.0)
     return ends * _counts(scene, plate, body) + across * dx / plate.thickness
+
+
+def _sheared(scene: Scene, plate: Plate, body: Body) -> bool:
+    """Whether water pushes a body along the long face that holds it, and the goal is how far."""
+    probe = goals_probe(scene)
+    if scene.fluid is None or probe is None or probe.body != plate.name:
+        return False
+    way = {"displacement-x": 0, "displacement-y": 1}.get(probe.quantity)
+    return way is not None and abs(axes_of(body.rotate)[1 - lengthwise(body)[0]][way]) < ALONG
 
 
 def clamps_width(scene: Scene, plate: Plate) -> float:
