@@ -13,15 +13,15 @@ from rich.console import Console
 from rich.table import Table
 
 from coupler.bench import exchange_line
-from coupler.chart import make_chart
-from coupler.chart_files import summary, write_chart
+from coupler.chart.files import summary, write_chart
+from coupler.chart.study import make_chart
 from coupler.one_side import resume_one_side, run_one_side
-from coupler.preflight import actual, preflight, stop_if_refused, warn_of
-from coupler.preflight_auto import chosen
-from coupler.preflight_table import print_preflight
+from coupler.preflight.auto import chosen
+from coupler.preflight.check import actual, preflight, stop_if_refused, warn_of
+from coupler.preflight.table import print_preflight
 from coupler.run import resume_coupled, run_coupled
-from coupler.stability import find_boundaries, write_map
-from coupler.stability_map import load_map
+from coupler.stability.boundaries import find_boundaries, write_map
+from coupler.stability.map import load_map
 from shared.commands import (
     Case,
     Out,

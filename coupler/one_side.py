@@ -9,7 +9,7 @@ import sys
 import tempfile
 from pathlib import Path
 
-from coupler.preflight import Preflight, actual
+from coupler.preflight.check import Preflight, actual
 from coupler.supervisor import PACKAGES
 from shared.plain import plain
 from shared.results import new_run_directory, read_result, write_result

@@ -18,8 +18,8 @@ from coupler.ledger import Ledger
 from coupler.mapping import Mapping, build_mapping
 from coupler.memory import recall, remember
 from coupler.prediction import Predictor
-from coupler.preflight_numbers import scene_numbers
-from coupler.preflight_window import longest_window
+from coupler.preflight.numbers import scene_numbers
+from coupler.preflight.window import longest_window
 from coupler.recording import recording
 from coupler.remote import Remote, RemoteError, Working
 from coupler.schemes import Coupled, probes

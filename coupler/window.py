@@ -21,7 +21,7 @@ of water on a plate a fifth of its weight, α 0.14 grows and 0.07 decays, whatev
 nothing but the water's viscosity damps, energy made is 19 % of the work within 60 ms at 0.067, 65 % in 52 at 0.076."""
 _LARGEST_PARALLEL_ALPHA = (0.04, 0.016, 0.005)
 """The same where both sides work at once, by predictor order: there a column that reflects nine tenths is pumped as
-fast as at 0.07 by the serial protocol (`stability_theory.acoustic`, r from 2 to 15). Measured on 0.2 m of water between
+fast as at 0.07 by the serial protocol (`stability.theory.acoustic`, r from 2 to 15). Measured on 0.2 m of water between
 walls on an elastic floor, order 2: 0.07 is past the ledger's limit within 31 ms."""
 _LARGEST_LAYER_ALPHA = 0.5
 """Largest α of the structure's outermost layer of particles, ρ_f c Δt/(ρ_s dx), in an automatic window. Waves along the

@@ -3,7 +3,7 @@
 It is a force of the water of about one layer of particles, μ = ρ_f dx/(ρ_s t) of the structure's own mass. Where a
 window is taken once it is a lagged one: with Q the extrapolation of order 0, 1, 2 from past windows and y one window
 back, 1 + μ Q = 0 (serial) and 1 + μ Q² = 0 (parallel, where the wall's acceleration is extrapolated too), on top of
-what sound sends back in a window (coupler/stability_theory.py).
+what sound sends back in a window (coupler/stability/theory.py).
 """
 
 from __future__ import annotations

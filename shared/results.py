@@ -211,7 +211,7 @@ def environment(threads: Mapping[str, int]) -> dict[str, Any]:
 def _sources() -> str:
     """Digest of the programs, whatever their version is called."""
     root, digest = Path(__file__).resolve().parent.parent, hashlib.sha256()
-    for path in sorted(path for package in _PACKAGES for path in (root / package).glob("*.py")):
+    for path in sorted(path for package in _PACKAGES for path in (root / package).rglob("*.py")):
         digest.update(path.read_bytes())
     return digest.hexdigest()[:12]
 

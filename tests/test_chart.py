@@ -8,11 +8,11 @@ from types import SimpleNamespace
 
 import pytest
 
-from coupler import chart
-from coupler.chart import make_chart, pareto, slopes
-from coupler.chart_files import COLUMNS, summary, write_chart
-from coupler.chart_truth import spread
-from coupler.chart_variants import study_variants
+from coupler.chart import study as chart
+from coupler.chart.files import COLUMNS, summary, write_chart
+from coupler.chart.study import make_chart, pareto, slopes
+from coupler.chart.truth import spread
+from coupler.chart.variants import study_variants
 from shared.contract import BadInput
 from shared.scene import shipped_cases
 

@@ -13,9 +13,9 @@ from pathlib import Path
 
 import pytest
 
-from coupler import chart_cluster
-from coupler.chart import make_chart
-from coupler.chart_files import summary, write_chart
+from coupler.chart import cluster as chart_cluster
+from coupler.chart.files import summary, write_chart
+from coupler.chart.study import make_chart
 from shared.contract import BadInput
 from shared.scene import shipped_cases
 

@@ -11,9 +11,9 @@ import time
 
 import pytest
 
-from coupler.chart_outcome import kept, missing, of_other_code, without_result
-from coupler.chart_runs import _clear, claimed, run_variants
-from coupler.chart_variants import study_variants
+from coupler.chart.outcome import kept, missing, of_other_code, without_result
+from coupler.chart.runs import _clear, claimed, run_variants
+from coupler.chart.variants import study_variants
 from shared.checkpoint import claim, newest
 from shared.contract import BadInput, ParticipantLost, SolverFailed
 from shared.record import _status

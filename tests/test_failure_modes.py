@@ -14,8 +14,8 @@ from pathlib import Path
 
 import pytest
 
-from coupler.preflight_numbers import scene_numbers
-from coupler.preflight_rules import findings
+from coupler.preflight.numbers import scene_numbers
+from coupler.preflight.rules import findings
 from coupler.run import run_coupled
 from fluid_solver.models import make_model as make_fluid
 from shared.contract import BadInput, ShearwaterError

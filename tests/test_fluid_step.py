@@ -4,7 +4,7 @@ import logging
 
 import pytest
 
-from coupler.preflight_water import measure_water
+from coupler.preflight.water import measure_water
 from fluid_solver.models import make_model
 from shared.fluid_step import COURANT, FORCE_STEP, LARGEST_COURANT, VISCOUS_STEP, fluid_step
 from shared.motion_table import largest_speed

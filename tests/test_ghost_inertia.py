@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from coupler.stability_theory import PREDICTION, Y, lagged_wall, largest_stable
+from coupler.stability.theory import PREDICTION, Y, lagged_wall, largest_stable
 from shared.ghost_inertia import ghost_inertia, ghosts_feel_acceleration, largest_inertia
 from shared.scene import load_scene
 from shared.schema_coupling import Coupling

@@ -12,13 +12,13 @@ import pytest
 
 import coupler.cli
 import shared.commands
-from coupler.preflight import preflight
-from coupler.preflight_cost import predicted_cost
-from coupler.preflight_error import error_bound
-from coupler.preflight_ladder import ladder, smallest
-from coupler.preflight_numbers import scene_numbers
-from coupler.preflight_rules import RULES, findings
-from coupler.preflight_table import near_miss_line
+from coupler.preflight.check import preflight
+from coupler.preflight.cost import predicted_cost
+from coupler.preflight.error import error_bound
+from coupler.preflight.ladder import ladder, smallest
+from coupler.preflight.numbers import scene_numbers
+from coupler.preflight.rules import RULES, findings
+from coupler.preflight.table import near_miss_line
 from fluid_solver.models import make_model as make_fluid
 from shared.scene import load_scene, shipped_cases
 from shared.schema_fluid import Fluid

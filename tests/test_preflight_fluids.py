@@ -7,9 +7,9 @@ from types import SimpleNamespace
 
 import pytest
 
-from coupler.preflight_ladder import ladder, smallest
-from coupler.preflight_numbers import scene_numbers
-from coupler.preflight_rules import findings
+from coupler.preflight.ladder import ladder, smallest
+from coupler.preflight.numbers import scene_numbers
+from coupler.preflight.rules import findings
 from fluid_solver.models import make_model
 from shared.commands import conclude
 from shared.contract import BadInput, Kinematics

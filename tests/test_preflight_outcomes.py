@@ -9,7 +9,7 @@ import sys
 
 import pytest
 
-from coupler.preflight import preflight
+from coupler.preflight.check import preflight
 from shared.scene import load_scene
 
 WALL = """\

@@ -6,11 +6,11 @@ import math
 
 import pytest
 
-from coupler.preflight_error import error_bound
-from coupler.preflight_error_solid import of_structure
-from coupler.preflight_ladder import ladder
-from coupler.preflight_numbers import scene_numbers
-from coupler.preflight_rules import findings
+from coupler.preflight.error import error_bound
+from coupler.preflight.error_solid import of_structure
+from coupler.preflight.ladder import ladder
+from coupler.preflight.numbers import scene_numbers
+from coupler.preflight.rules import findings
 from tests.test_preflight_structures import AT_ONE_END, CLAMPED, text_scene
 
 BAR = (*AT_ONE_END, "solid.youngs_modulus=1e7", "solid.damping=0", "end_time=0.0816", "output.average_from=0")

@@ -6,11 +6,11 @@ import math
 
 import pytest
 
-from coupler.preflight_error import error_bound
-from coupler.preflight_ladder import ladder
-from coupler.preflight_numbers import scene_numbers
-from coupler.preflight_rules import findings
-from coupler.preflight_window import expected_plan
+from coupler.preflight.error import error_bound
+from coupler.preflight.ladder import ladder
+from coupler.preflight.numbers import scene_numbers
+from coupler.preflight.rules import findings
+from coupler.preflight.window import expected_plan
 from coupler.window import make_plan, mass_ratio
 from fluid_solver.models import make_model as make_fluid
 from shared.contract import BadInput

@@ -7,9 +7,9 @@ import math
 
 import pytest
 
-from coupler.preflight import preflight
-from coupler.preflight_error import error_parts
-from coupler.preflight_numbers import scene_numbers
+from coupler.preflight.check import preflight
+from coupler.preflight.error import error_parts
+from coupler.preflight.numbers import scene_numbers
 from shared.plain import plain
 from shared.scene import load_scene
 from tests.test_column import SPRUNG

@@ -10,10 +10,10 @@ import math
 
 import pytest
 
-from coupler.preflight_error import error_bound
-from coupler.preflight_ladder import ladder
-from coupler.preflight_numbers import scene_numbers
-from coupler.preflight_swing import radiates, swing
+from coupler.preflight.error import error_bound
+from coupler.preflight.ladder import ladder
+from coupler.preflight.numbers import scene_numbers
+from coupler.preflight.swing import radiates, swing
 from shared.scene import load_scene
 
 FLOOR = """\

@@ -6,11 +6,11 @@ import math
 
 import pytest
 
-from coupler.preflight_afloat import to_equilibrium
-from coupler.preflight_error import error_bound
-from coupler.preflight_ladder import ladder, smallest
-from coupler.preflight_numbers import scene_numbers
-from coupler.preflight_rules import findings
+from coupler.preflight.afloat import to_equilibrium
+from coupler.preflight.error import error_bound
+from coupler.preflight.ladder import ladder, smallest
+from coupler.preflight.numbers import scene_numbers
+from coupler.preflight.rules import findings
 from shared.scene import load_scene
 from tests.test_preflight_fluids import TANK, scene_of
 

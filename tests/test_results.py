@@ -16,7 +16,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from coupler.cli import conclude_coupled
-from coupler.preflight import preflight
+from coupler.preflight.check import preflight
 from coupler.run import run_coupled
 from shared.commands import conclude
 from shared.contract import BadInput, ShearwaterError

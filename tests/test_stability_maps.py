@@ -8,15 +8,15 @@ import math
 import numpy as np
 import pytest
 
-from coupler.preflight_numbers import scene_numbers
-from coupler.preflight_rules import findings
-from coupler.preflight_rules_joint import ALPHA_REFUSE
-from coupler.stability import Boundary, agreement, find_boundaries, place_of, write_map
-from coupler.stability_check import check_map
-from coupler.stability_lattice import largest_courant, wave_numbers
-from coupler.stability_map import load_map, shipped_maps
-from coupler.stability_runs import DIED_OUT, MEASURES, Watched, boundary, cell_scene, growth_of, measure, rise_of
-from coupler.stability_theory import THEORIES, acoustic, growth, incompressible, lagged_column, largest_stable
+from coupler.preflight.numbers import scene_numbers
+from coupler.preflight.rules import findings
+from coupler.preflight.rules_joint import ALPHA_REFUSE
+from coupler.stability.boundaries import Boundary, agreement, find_boundaries, place_of, write_map
+from coupler.stability.check import check_map
+from coupler.stability.lattice import largest_courant, wave_numbers
+from coupler.stability.map import load_map, shipped_maps
+from coupler.stability.runs import DIED_OUT, MEASURES, Watched, boundary, cell_scene, growth_of, measure, rise_of
+from coupler.stability.theory import THEORIES, acoustic, growth, incompressible, lagged_column, largest_stable
 from shared.contract import BadInput
 from shared.kernels import kernel_named
 from shared.scene import load_scene
@@ -48,7 +48,7 @@ def test_preflight_refuses_windows_from_where_no_water_damps_enough():
 
 
 def simulate(alpha, order, reflection, k, windows, parallel):
-    """The equations of stability_theory.py stepped in time: speed of the piston at each window's end."""
+    """The equations of stability/theory.py stepped in time: speed of the piston at each window's end."""
     weights = {0: (1.0,), 1: (2.0, -1.0), 2: (3.0, -3.0, 1.0)}[order]
     speed, speeds, loads, means, waves, wall = 1.0, [], [0.0] * 3, [1.0] * 3, [0.0] * k, 1.0
     place = target = 0.0

@@ -8,14 +8,14 @@ import re
 import numpy as np
 import pytest
 
-from coupler import stability
-from coupler.stability import find_boundaries
-from coupler.stability_check import _of_scene, check_map
-from coupler.stability_kept import remembered
-from coupler.stability_map import VOCABULARY, load_map
-from coupler.stability_reference import reference_file, renewed
-from coupler.stability_runs import DIED_OUT, FAILED, growth_of, measure, rise_of
-from coupler.stability_theory import THEORIES
+from coupler.stability import boundaries as stability
+from coupler.stability.boundaries import find_boundaries
+from coupler.stability.check import _of_scene, check_map
+from coupler.stability.kept import remembered
+from coupler.stability.map import VOCABULARY, load_map
+from coupler.stability.reference import reference_file, renewed
+from coupler.stability.runs import DIED_OUT, FAILED, growth_of, measure, rise_of
+from coupler.stability.theory import THEORIES
 from shared.contract import BadInput
 from shared.scene import load_scene
 
@@ -188,7 +188,7 @@ def test_what_is_not_finite_is_kept_as_it_is(written, tmp_path):
 
 def test_the_vocabulary_is_documented_as_it_is_and_its_example_holds(tmp_path):
     text = reference_file().read_text(encoding="utf-8")
-    assert text == renewed(text), "python -m coupler.stability_reference renews it"
+    assert text == renewed(text), "python -m coupler.stability.reference renews it"
     assert str(reference_file()).endswith(VOCABULARY)
     path = tmp_path / "example.toml"
     path.write_text(text.partition("```toml\n")[2].partition("```")[0], encoding="utf-8")

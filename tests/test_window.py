@@ -8,7 +8,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from coupler.stability_theory import acoustic, growth
+from coupler.stability.theory import acoustic, growth
 from coupler.window import SPEED_UP, alpha_rate, make_plan, window_length
 from shared.contract import Description
 from shared.schema_coupling import Coupling

@@ -1,0 +1,1 @@
+"""`coupler chart`: error against cost over the variants of a study. `study` is where to begin."""

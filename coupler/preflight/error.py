@@ -1,0 +1,179 @@
+"""Bounds of the error that a choice of models and resolution makes in the scene's goal, relative, and what they add.
+
+Each part is measured on cases with a known answer (cases/results and README.md), with a margin of 1.2 to 2.5 over the
+worst found; dx spacing of the fluid. The structure's part, and what its swing adds: error_solid.py.
+
+    still              0.1 %; its level keeps the water's volume
+                       (neither this nor a column bears a body that floats, this none without weight)
+    column             0.1 % of a mean, and a plate's sag over the depth, for columns do not level out; 30 % of the
+                       swing of a plate that bends, whose water flows sideways too (share of the first mode,
+                       coupler/preflight/numbers.py)
+    sound              of water that carries it θ²/4 of a swing, θ the depth in radians of sound, or L/π of a plate that
+                       does not close its water, whose mass counts tan θ/θ times
+                                                                            a tank on springs, a floor under 5 cm
+    water at rest      dx/H (ctvf), 3 dx/H (wcsph), a tenth with h = 2 dx  still_tank, soft_plate, hydrostatic_plate
+                       times buoyancy over what it leaves of the weight of a plate under water
+    its surface        besides, over its height above the gauge: g H²/(2 c0²), and 0.05 dx; no bound for a gauge at it
+    its push sideways  besides, 2 g H/(3 c0²): settled water stands lower at the same pressure below
+    its pressure at z  besides, over z: the level of settled water, g (H² − z²)/(2 c0²) lower, 0.05 dx more with less
+                       than h = 2 dx, and 0.09 R (1 − z/R)² of a sensor of reach R > z
+                                                                       at 2.5 to 40 cm in half a metre, dx 1 to 4 cm
+    its motion         no bound: it has none
+    a body afloat      a waterline within 0.4 dx besides: over its way to equilibrium where the goal is a displacement
+                       along gravity, else over its thickness                                     floating rafts
+    a body that swings in water of particles 1.5 dx/d (wcsph), 0.5 dx/d (ctvf), d its thickness if that is less; the
+                       depth where it spans the water, which then moves as it does                a sprung floor
+    water that flows   coupler/preflight/error_flow.py
+"""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from coupler.preflight.afloat import afloat, to_equilibrium
+from coupler.preflight.error_flow import MOTIONS, SMOOTH, flow_error, off_level
+from coupler.preflight.error_solid import (
+    PHASE,
+    SWING,
+    TIMES,
+    UNKNOWN,
+    of_structure,
+    swing_at_the_end,
+    swing_in_a_mean,
+)
+from coupler.preflight.finding import COLUMN, PARTICLE_FLUIDS, STEADY, of_particles
+from coupler.preflight.numbers import Numbers
+from coupler.preflight.plate import goals_probe, of_a_body
+from coupler.preflight.resonance import RESONANCE, resonance
+from coupler.preflight.swing import RADIATES, carries_sound, late, radiates
+from shared.geometry import outline
+from shared.schema import Scene
+from shared.schema_probes import Probe
+from shared.schema_solid import RIGID_MODELS
+
+Parts = dict[str, float]
+
+STILL = 1e-3
+REST = {"ctvf": 1.0, "wcsph": 3.0}
+CROWD, CROWDED = 2.0, 0.1  # from this h/dx on a lattice of particles bears hardly any shear, and rest is as much better
+SAG = 0.05  # of dx: what a lattice that bears shear takes off a level
+SENSOR = 0.09  # of a sensor's reach by (1 − depth/reach)²: what it feels too much where it reaches out of the water
+WATERLINE = 0.4  # of dx
+
+
+def error_parts(scene: Scene, n: Numbers) -> Parts:
+    """The bounds by source; their sum bounds the error of the goal. Empty without a goal."""
+    if scene.goal is None:
+        return {}
+    parts = {}
+    if n.plate is not None:
+        parts[scene.solid.model] = of_structure(scene, n)
+    if n.water is not None:
+        away = of_particles(n) and n.water.bottomless > 0.0
+        parts[f"fluid {scene.fluid.model}"] = UNKNOWN if away else _fluid(scene, n)
+    error = sum(parts.values())
+    swings = {SWING: swing_in_a_mean(scene, n), PHASE: swing_at_the_end(scene, n, error)}
+    swings[RESONANCE] = resonance(scene, n, error) if scene.solid is not None else 0.0
+    return parts | {name: part for name, part in swings.items() if part > 0.0}
+
+
+def error_bound(scene: Scene, n: Numbers) -> float | None:
+    """Bound of the goal's relative error; None without a goal, infinite where the choice cannot do it."""
+    parts = error_parts(scene, n)
+    return sum(parts.values()) if parts else None
+
+
+def _fluid(scene: Scene, n: Numbers) -> float:
+    water, steady = n.water, scene.goal.statistic in STEADY
+    closed = water.boxed and n.joint is not None and n.joint.closes
+    floats = n.plate is not None and afloat(scene, n.plate)
+    if water.model == "still":
+        weighs = any(scene.gravity)
+        return STILL if water.rests and steady and weighs and not closed and not floats else UNKNOWN
+    if water.model not in PARTICLE_FLUIDS:
+        bends = n.plate is not None and n.plate.model not in RIGID_MODELS
+        if not water.rests or floats or (closed and scene.fluid.column.far_end == "open"):
+            return UNKNOWN
+        sag = (n.plate.deflection or 0.0) / water.height if bends else 0.0  # a column's own top sags with its foot
+        if steady:
+            return STILL + sag
+        return (COLUMN if bends else STILL) + _sounding(scene, n)
+    return _at_rest(scene, n, floats) if water.rests else flow_error(scene, n)
+
+
+def _at_rest(scene: Scene, n: Numbers, floats: bool) -> float:
+    """Of water of particles that rests, or moves along with a structure alone."""
+    water, probe, steady = n.water, goals_probe(scene), scene.goal.statistic in STEADY
+    if probe is not None and probe.quantity in MOTIONS and not of_a_body(scene):
+        return UNKNOWN
+    if not steady and radiates(scene, n):
+        return UNKNOWN
+    if not steady and n.plate is not None and n.plate.model == "spring":
+        smooth = SMOOTH[water.model] * water.dx
+        if n.joint.closes:  # it carries all the water along, and none flows round it
+            return smooth / water.height * (0.5 if scene.goal.statistic in TIMES else 1.0) + _sounding(scene, n)
+        return smooth / min(water.width, n.plate.thickness)
+    crowded = CROWDED if scene.fluid.h_over_dx >= CROWD else 1.0
+    error = REST[water.model] * water.dx / water.height * crowded * _left_of_weight(scene, n)
+    if probe is not None and probe.quantity == "pressure":
+        error += _near_surface(scene, n, probe)
+    if probe is not None and probe.quantity == "elevation":
+        error += off_level(scene, n, probe, SAG) or UNKNOWN
+    if probe is not None and _across(scene, probe):
+        error += 2.0 * math.hypot(*scene.gravity) * water.height / (3.0 * water.sound_speed**2)
+    error += 0.0 if steady else _sounding(scene, n)
+    return error + (_waterline(scene, n, probe) if floats else 0.0)
+
+
+def _across(scene: Scene, probe: Probe) -> bool:
+    """Whether the probe is of a force across gravity."""
+    axis = {"force-x": 0, "force-y": 1}.get(probe.quantity)
+    return axis is not None and any(scene.gravity) and scene.gravity[axis] == 0.0
+
+
+def _near_surface(scene: Scene, n: Numbers, probe: Probe) -> float:
+    """Of a pressure at a depth: the level of settled water is g H²/(2 c0²) lower, less the deeper; and a sensor that
+    reaches out of the water feels less of its gradient there."""
+    water, g = n.water, math.hypot(*scene.gravity)
+    corners = np.concatenate([outline(body).reshape(-1, 2) for body in scene.fluid.bodies])
+    depth = float(np.asarray(probe.point) @ scene.gravity - np.min(corners @ scene.gravity)) / g if g else math.inf
+    if depth <= 0.0:
+        return UNKNOWN
+    level = g * max(water.height**2 - depth**2, 0.0) / (2.0 * water.sound_speed**2)
+    level += SAG * water.dx if scene.fluid.h_over_dx < CROWD else 0.0
+    reach = 0.5 * probe.extent if probe.extent is not None else water.support
+    return (level + SENSOR * reach * max(1.0 - depth / reach, 0.0) ** 2) / depth
+
+
+def _waterline(scene: Scene, n: Numbers, probe: Probe | None) -> float:
+    """Of a body afloat: a waterline within a share of dx, of the way to its equilibrium where that is the goal, else
+    of its thickness."""
+    upright = dict(zip(("displacement-x", "displacement-y"), scene.gravity, strict=True))
+    if probe is not None and upright.get(probe.quantity):
+        way = to_equilibrium(scene, n.plate.name)
+        return WATERLINE * n.water.dx / way if 0.0 < way < math.inf else UNKNOWN
+    return WATERLINE * n.water.dx / n.plate.thickness
+
+
+def _sounding(scene: Scene, n: Numbers) -> float:
+    """Error of a swing by the sound that crosses the water late."""
+    if n.joint is None or n.plate.frequency is None or not carries_sound(scene):
+        return 0.0
+    theta = late(scene, n)
+    if n.water.model == "column":
+        wet = n.plate.frequency / math.sqrt(1.0 + n.joint.mass_ratio)
+        theta = 2.0 * math.pi * wet * n.joint.depth / n.water.sound_speed
+    return 0.25 * theta**2 if theta < RADIATES else UNKNOWN
+
+
+def _left_of_weight(scene: Scene, n: Numbers) -> float:
+    """Buoyancy over what it leaves of the weight of a plate under water: so many times its error counts in bending."""
+    probe = goals_probe(scene)
+    if n.plate is None or n.plate.wet < 2 or not scene.solid.gravity or scene.solid.loads:
+        return 1.0
+    if probe is not None and probe.quantity in ("force-x", "force-y"):
+        return 1.0
+    left = abs(n.plate.density - n.water.density)
+    return max(1.0, n.water.density / left) if left > 0.0 else UNKNOWN

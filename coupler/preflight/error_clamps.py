@@ -1,0 +1,88 @@
+"""What a body's clamps add to the error of the goal, relative, and by how much more it counts in some goals.
+
+Measured against 2-D elasticity (quadratic elements): cantilevers and plates clamped at both ends, 3 to 20 times as long
+as thick, 4 to 20 particles across, ν 0 to 0.49; x = clamps × dx/L, t thickness, L length.
+
+    of particles   give way within about a particle: (0.6 + 1.45 ν) x + 9 x² of clamped ends; (0.25 + 0.1 ν) dx/t of a
+                   long face, which counts as an end, x = dx/t, where water pushes along it; 1.2 dx/t where they hold a
+                   part of a side (ledges of 1 to 6 particles)
+    of a beam      hold its section's width too: 0.42 ν²/(1 − ν) t/L per clamp
+
+of the largest deflection. It goes as the distance s from the clamp where the deflection goes as s²: 1/(ξ(2 − ξ)) times
+as much of a displacement at ξ = s/L, or s/(L/2) between two clamps; and 1.25 times of a strain energy.
+"""
+
+from __future__ import annotations
+
+import math
+
+from coupler.preflight.held import FACES_OF_AXIS, held_in_part, held_sides, lengthwise
+from coupler.preflight.plate import Plate, goals_probe
+from shared.regions import axes_of, own_box, turn
+from shared.schema import Scene
+from shared.schema_geometry import Body
+
+SLIP = (0.6, 1.45, 9.0)
+FLAT = (0.25, 0.1)
+PART = 1.2
+ALONG = 0.7  # cosine to a face's normal below which a way is along it
+WIDTH = 0.42
+OF_ENERGY = 1.25
+
+
+def clamps_slip(scene: Scene, plate: Plate) -> float:
+    """Of particles: clamps that give way."""
+    body, nu, dx = _body(scene, plate), scene.solid.poisson_ratio, scene.solid.dx
+    parts = held_in_part(scene, body)
+    share, flat = plate.clamps * dx / plate.length, len(held_sides(scene, body)) - plate.clamps - parts
+    if flat and _sheared(scene, plate, body):  # such a face is an end
+        share, flat = share + flat * dx / plate.thickness, 0
+    ends = (SLIP[0] + SLIP[1] * nu) * share + SLIP[2] * share**2
+    across = (FLAT[0] + FLAT[1] * nu) * flat + (PART if parts else 0.0)
+    return ends * _counts(scene, plate, body) + across * dx / plate.thickness
+
+
+def _sheared(scene: Scene, plate: Plate, body: Body) -> bool:
+    """Whether water pushes a body along the long face that holds it, and the goal is how far."""
+    probe = goals_probe(scene)
+    if scene.fluid is None or probe is None or probe.body != plate.name:
+        return False
+    way = {"displacement-x": 0, "displacement-y": 1}.get(probe.quantity)
+    return way is not None and abs(axes_of(body.rotate)[1 - lengthwise(body)[0]][way]) < ALONG
+
+
+def clamps_width(scene: Scene, plate: Plate) -> float:
+    """Of a beam: clamps that leave the section its width."""
+    nu = scene.solid.poisson_ratio
+    width = WIDTH * plate.clamps * nu**2 / (1.0 - nu) * plate.thickness / plate.length
+    return width * _counts(scene, plate, _body(scene, plate))
+
+
+def _body(scene: Scene, plate: Plate) -> Body:
+    return next(one for one in scene.solid.bodies if one.name == plate.name)
+
+
+def _counts(scene: Scene, plate: Plate, body: Body) -> float:
+    """By how much more what a clamp gives way counts in the goal than in the largest deflection."""
+    probe = goals_probe(scene)
+    if probe is None or probe.body != plate.name:
+        return 1.0
+    if probe.quantity == "strain-energy":
+        return OF_ENERGY
+    if probe.quantity not in ("displacement-x", "displacement-y") or plate.along:
+        return 1.0
+    nearness = _from_clamps(scene, body, probe.point)
+    return 1.0 if nearness is None else 1.0 / (nearness * (2.0 - nearness)) if nearness > 0.0 else math.inf
+
+
+def _from_clamps(scene: Scene, body: Body, point: tuple[float, float]) -> float | None:
+    """Distance of a point from the nearest clamped end over the way to where the body bends most, at most 1; None
+    where nothing holds its ends, or a clamp moves it."""
+    axis, _, length = lengthwise(body)
+    ends = [FACES_OF_AXIS[axis].index(side) for side in held_sides(scene, body) if side in FACES_OF_AXIS[axis]]
+    moved = any(clamp.motion is not None for clamp in scene.solid.clamps if clamp.body == body.name)
+    if not ends or moved:
+        return None
+    box, along = own_box(body), float(turn(point, body.rotate, backward=True)[axis])
+    nearest = min(abs(along - float(box[end][axis])) for end in ends)
+    return min(nearest * len(ends) / length, 1.0)

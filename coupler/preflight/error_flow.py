@@ -1,0 +1,163 @@
+"""Bounds of the error in water of particles that flows, measured and with margins as those of error.py.
+
+flow               where water falls and splashes 5 dx/d, d its least extent at t = 0, of its front 1.4 dx/d; 0.5
+                   dx/d (ctvf), 1.5 dx/d (wcsph) where it is held and circulates     dam_break_plate, taylor_green,
+                   a flap in a splash, by spacings from 3.3 to 0.6 mm: 3.2 to 4.4, scattered by 1
+wave's period      0.25 % and what was found: 7.33 x^1.7 (ctvf), 17.2 x^1.9 (wcsph) too long, x = dx/wavelength, and
+                   0.8 % too short at any x, for a lattice under pressure bears shear: the two cancel near x = 0.02;
+                   8 % more with less than 40 neighbours, whose lattice bears more            standing_wave
+                   without viscosity of its own a lattice melts late: 0.5 % (ctvf), 0.9 % (wcsph) more either way,
+                   and dx over a wave's height at the start times that where it is lower than dx     seiches
+surface's height   besides, over its way from the gauge: the level of settled water, g H²/(2 c0²) lower, and 0.2 dx
+waves' heights     as flow that is held, and with less than 40 neighbours 20 % more, for such a lattice bears waves
+                   of its spacing's height; at any dx                                          a wavemaker
+viscous stresses   3.6 (h/λ)², λ the shear wave's length, twice a channel's width; 0.12 (1.3 dx/h)^5 for few
+                   neighbours in disorder, at any dx; artificial over own viscosity           taylor_green, Poiseuille
+                   alone where its weight, or walls that slide, drive the water along a period, beside the flow's where
+                   it is held
+decay of vortices  the same; 50 % more where nothing shifts the particles (wcsph). What is left at the end errs by
+                   e^(N times that) − 1 when it has fallen by e^−N                            taylor_green
+water let go       of its speed 0.6 g H/c0 (wcsph), 0.08 g H/c0 (ctvf) over the speed at the end: what its pressure
+                   gives it; twice that of its energy                                         a slab of water
+"""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from coupler.preflight.finding import STEADY
+from coupler.preflight.numbers import Numbers
+from coupler.preflight.plate import goals_probe
+from coupler.preflight.rules_water import LOOSE
+from shared.expected_speed import start_speed
+from shared.geometry import outline
+from shared.schema import Scene
+from shared.schema_probes import Probe
+from shared.wall_chains import segments_of
+
+SMOOTH = {"ctvf": 0.5, "wcsph": 1.5}
+WAVE = {"ctvf": (7.33, 1.7), "wcsph": (17.2, 1.9)}
+WAVE_LATTICE, WAVE_MARGIN = 0.008, (1.2, {"ctvf": 0.0025, "wcsph": 0.003})
+UNMELTED = {"ctvf": 0.005, "wcsph": 0.009}  # of a period, where no viscosity of its own breaks the lattice
+GAUGE = 0.2  # of dx: what particles that come and go put on a surface that moves
+LATTICE, WAVES = 0.08, 0.2  # of a period and of a height, where a lattice bears waves
+FLOW, FRONT = 5.0, 1.4
+VISCOUS = 3.6  # of (h/wavelength)²: the kernel smooths the stresses of a shear wave
+FEW, FEW_POWER = 0.12, 5.0  # with h = 1.3 dx: stresses of a neighbourhood in disorder, whatever dx is
+CLUSTERED = 0.5  # of a decay, where vortices stretch particles that nothing shifts
+FALL = {"ctvf": 0.08, "wcsph": 0.6}  # of the speed that the pressure of water at rest gives it as it is let go
+MOTIONS = ("max-speed", "velocity-x", "velocity-y", "kinetic-energy")
+"""Quantities that are nothing in water at rest."""
+
+
+def flow_error(scene: Scene, n: Numbers) -> float:
+    """Bound of the goal's relative error."""
+    water, goal = n.water, scene.goal
+    probe = goals_probe(scene)
+    quantity = probe.quantity if probe is not None else None
+    if goal.statistic == "wave-period":
+        return _period(scene, n) + (LATTICE if _stiff(n) else 0.0)
+    if water.free and quantity in MOTIONS and goal.statistic in ("final", "max"):
+        return _let_go(scene, n) * (2.0 if quantity == "kinetic-energy" else 1.0)
+    if not water.held:
+        return (FRONT if quantity == "front-x" else FLOW) * water.dx / water.width
+    if _vortices(scene) and scene.fluid.viscosity > 0.0 and (quantity in MOTIONS or goal.statistic == "decay"):
+        return _decay(scene, n, quantity)
+    if (water.pulled or _slid(scene)) and scene.fluid.viscosity > 0.0:  # a channel's profile is half a wave
+        return _viscous(scene, n, 2.0 * water.width)
+    least = min(water.width, _wavelength(scene, n))
+    if n.plate is not None and n.plate.model == "spring":
+        least = min(least, n.plate.thickness)
+    flow = SMOOTH[water.model] * water.dx / least
+    if scene.fluid.viscosity > 0.0:
+        flow += VISCOUS * (water.h / (2.0 * least)) ** 2
+    if quantity == "elevation":
+        flow += off_level(scene, n, probe, GAUGE, _height(scene, n) or 0.0)
+    return flow + (WAVES if water.waves and goal.statistic not in STEADY and _stiff(n) else 0.0)
+
+
+def off_level(scene: Scene, n: Numbers, probe: Probe, share: float, height: float = 0.0) -> float:
+    """Of an elevation: the level of settled water, g H²/(2 c0²) lower, and a `share` of dx, over the way from the gauge
+    to the surface, `height` [m] the wave's. Nothing where that is not known: a gauge at the level, waves made later."""
+    water, g = n.water, math.hypot(*scene.gravity)
+    top = max(float(outline(body)[..., 1].max()) for body in scene.fluid.bodies)
+    way = abs(top - probe.point[1]) + height
+    return (g * water.height**2 / (2.0 * water.sound_speed**2) + share * water.dx) / way if way > 0.0 else 0.0
+
+
+def _slid(scene: Scene) -> bool:
+    """Whether all that moves is walls that slide along themselves, and a period."""
+    fluid = scene.fluid
+    along = [axis for axis, bounds in enumerate((fluid.periodic.x, fluid.periodic.y)) if bounds is not None]
+    if len(along) != 1 or scene.solid is not None or start_speed(scene) > 0.0:
+        return False
+    faces = np.concatenate([segments_of(wall) for wall in scene.walls]) if scene.walls else np.empty((0, 2, 2))
+    return not any(wall.motion for wall in scene.walls) and not np.ptp(faces[:, :, 1 - along[0]], axis=1).any()
+
+
+def _vortices(scene: Scene) -> bool:
+    fields = (body.velocity_field for body in scene.fluid.bodies)
+    return any(field is not None and field.kind == "taylor-green" for field in fields)
+
+
+def _decay(scene: Scene, n: Numbers, quantity: str) -> float:
+    """Of vortices that wear out at the rate 2 ν k² of their speed, twice that of their energy: the rate's error, which
+    counts as often in what is left as it has fallen by e."""
+    wavelength = _wavelength(scene, n)
+    rate = _viscous(scene, n, wavelength) + (CLUSTERED if n.water.model == "wcsph" else 0.0)
+    falls = 2.0 * scene.fluid.viscosity * (2.0 * math.pi / wavelength) ** 2 * scene.end_time
+    falls *= 2.0 if quantity == "kinetic-energy" else 1.0
+    if scene.goal.statistic in ("final", "min"):
+        return math.expm1(rate * falls) if rate * falls < 1.0 else math.inf
+    return rate * (min(1.0, 0.5 * falls) if scene.goal.statistic in STEADY else 1.0)
+
+
+def _viscous(scene: Scene, n: Numbers, wavelength: float) -> float:
+    """Of the viscous stresses of a shear wave [m]: smoothed, of few neighbours, and artificial ones beside them."""
+    water, own = n.water, scene.fluid.viscosity
+    few = FEW * (1.3 / scene.fluid.h_over_dx) ** FEW_POWER
+    artificial = scene.fluid.alpha * water.h * water.sound_speed / 8.0
+    return VISCOUS * (water.h / wavelength) ** 2 + few + artificial / own
+
+
+def _let_go(scene: Scene, n: Numbers) -> float:
+    """Of the speed at the end of water that falls freely: what its pressure at rest, ρ g H, gives it in a wave of
+    sound."""
+    g, body = math.hypot(*scene.gravity), scene.fluid.bodies[0]
+    reached = math.hypot(*(v + a * scene.end_time for v, a in zip(body.velocity, scene.gravity, strict=True)))
+    pressed = scene.fluid.initial_pressure == "hydrostatic"
+    return FALL[n.water.model] * g * n.water.height / (n.water.sound_speed * reached) if pressed else 1e-3
+
+
+def _period(scene: Scene, n: Numbers) -> float:
+    """Of the period of a wave."""
+    model = n.water.model
+    (factor, power), (times, more) = WAVE[model], WAVE_MARGIN
+    error = times * abs(factor * (n.water.dx / _wavelength(scene, n)) ** power - WAVE_LATTICE) + more[model]
+    if scene.fluid.viscosity > 0.0:
+        return error
+    height = _height(scene, n)
+    return error + UNMELTED[model] * max(1.0, n.water.dx / height if height else 1.0)
+
+
+def _height(scene: Scene, n: Numbers) -> float | None:
+    """Height [m] of the crests of the wave that the water starts with, U/ω; None without one."""
+    fields = (body.velocity_field for body in scene.fluid.bodies)
+    wave = next((field for field in fields if field is not None and field.kind == "standing-wave"), None)
+    g = math.hypot(*scene.gravity)
+    if wave is None or g == 0.0:
+        return None
+    k = 2.0 * math.pi / wave.wavelength
+    return abs(wave.speed) / math.sqrt(g * k * math.tanh(k * n.water.height))
+
+
+def _wavelength(scene: Scene, n: Numbers) -> float:
+    """The shortest wave's length [m] that the water starts with; without one its least extent."""
+    fields = (body.velocity_field for body in scene.fluid.bodies)
+    return min((field.wavelength for field in fields if field is not None), default=n.water.width)
+
+
+def _stiff(n: Numbers) -> bool:
+    return n.water.support < LOOSE * n.water.dx

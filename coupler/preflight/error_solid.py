@@ -1,0 +1,213 @@
+"""Bounds of the structure's part of the error in the scene's goal, relative, and what its swing adds.
+
+Each is measured on cases with a known answer (cases/results/structures.md), with a margin of 1.2 to 2.5 over the worst
+found; n particles across, t/L thickness over length, ν Poisson's ratio, dx spacing.
+
+    beam               0.25 (t/L)², of a stress three times as much, + its clamps + 1.5 × stretch along its axis + 0.4 ×
+                       square of the strain it bends to, for its law is linear; 0.04 % of what happens in time, for it
+                       steps a hundred times in a period
+                                                         plate_step_load, oscillating_plate, udl_beam
+    total-lagrangian   (0.08 + 0.15 ν)/n                                udl_beam at 6 … 20 across, ν 0 … 0.47
+    ctvf               (0.15 + 0.15 ν)/n quadratic, 5/n² linear, 4.5/n printed gradient
+    both               at least their clamps             udl_beam, hydrostatic_plate, a dam of gel as wide as high
+    all                + what particles hold of a body's area too much or too little (disc: 2 % at 10 across), or of
+                       a spun one's inertia; a peak between two rows of probes
+    clamps, peaks of what comes at once                  error_clamps.py, error_sudden.py
+
+A force that presses a cantilever by a share s of Euler's load makes all of this count 1/(1 − s) times; past 1 it
+buckles, and what small differences decide has no bound.
+
+A plate that bends draws in by the square of its deflection: such a goal feels all twice. A period or a time of a peak
+feels half the error of a stiffness; less than two periods show none. A peak under a load's table may be one of
+resonance (resonance.py). A beam that starts in a higher mode, r times as fast, is r times as far from slender
+and takes r times as few steps in a period.
+
+Over a time T, a swing from rest about the answer (coupler/preflight/swing.py) leaves in a mean up to 2/(ωT) of its
+amplitude, 3/(ωT) of a strain energy, and an echo what it adds. A value at the end feels the phase φ that a wrong
+frequency has gathered: a swing from 0 to twice its middle is off by 2 φ of its value or less in seven phases of ten;
+past 1 rad it may be anything. Slopes and decays are not bounded.
+"""
+
+from __future__ import annotations
+
+import math
+
+from coupler.preflight.error_clamps import clamps_slip, clamps_width
+from coupler.preflight.error_sudden import PEAKS, jumps, sudden_error
+from coupler.preflight.finding import STEADY
+from coupler.preflight.held import lengthwise
+from coupler.preflight.numbers import Numbers
+from coupler.preflight.plate import Plate, goals_probe, of_a_body
+from coupler.preflight.shapes import FEW, excess, excess_of_inertia
+from coupler.preflight.swing import swing
+from shared.regions import axes_of
+from shared.scene_models import STRESSES
+from shared.schema import Scene
+from shared.schema_solid import RIGID_MODELS
+from shared.sides import probe_rows
+from shared.solid_step import BEAM_STEPS, FIRST_ROOT
+
+BEAM_SHAPE, BEAM_STRETCH, BEAM_STEPPED = 0.25, 1.5, 4e-4
+BEAM_STRESS = 3.0
+BEAM_BENT = 0.4
+BENT = {1: 2.0, 2: 16.0}  # strain of the outer fibre at a clamp over thickness × deflection/L², by clamped ends
+LAGRANGIAN = (0.08, 0.15)
+UPDATED = (0.15, 0.15)
+LINEAR, PRINTED = 5.0, 4.5
+KEPT = {"total-lagrangian": 1e-12, "spring": 1e-12, "rigid": 1e-12, "beam": 1e-3, "ctvf": 1e-2}
+"""What a model loses of a momentum, of a free flight, or of a stress carried round, that physics keeps."""
+TIMES = ("period", "wave-period", "t_min", "t_max")
+PERIODS = ("period", "wave-period")
+UNBOUNDED = ("slope", "decay", "wave-decay")
+LEAST_PERIODS = 2.0
+FIRST_MODE = 1.05  # its swing over the deflection, and a thin beam's frequency over that with shear: up to 1.03 each
+QUADRATIC = {"strain-energy": 1.5}
+LOST = 1.0  # rad
+SHORTENED, ALONG = 2.0, 0.99  # of a displacement along a plate; cosine of its angle
+SWING, PHASE = "start-up swing in the mean", "phase of the swing at the end"
+UNKNOWN = math.inf
+
+
+def of_structure(scene: Scene, n: Numbers) -> float:
+    """The structure's part; infinite where nothing bounds it."""
+    plate, solid, what = n.plate, scene.solid, scene.goal.statistic
+    if not_bounded(scene, n):
+        return UNKNOWN
+    if what == "change" and not _of_displacement(scene):
+        return KEPT[plate.model]
+    if _of_displacement(scene) and _moves_as_a_whole(scene, plate):
+        return KEPT[plate.model]
+    seen_late, filled = _between_rows(scene, n), 0.0 if plate.model == "beam" else _filled(scene, plate)
+    if plate.model in RIGID_MODELS:
+        return filled + seen_late
+    nu = solid.poisson_ratio
+    if plate.model == "beam":
+        probe = goals_probe(scene)
+        shape = BEAM_SHAPE * (BEAM_STRESS if probe is not None and probe.quantity in STRESSES else 1.0)
+        bound = shape * overtone(scene, plate) * (plate.thickness / plate.length) ** 2
+        bound += clamps_width(scene, plate) + BEAM_STRETCH * plate.stretch + BEAM_BENT * _bent(plate, what) ** 2
+    elif plate.model == "ctvf" and solid.gradient != "quadratic":
+        bound = LINEAR / plate.across**2 if solid.gradient == "linear" else PRINTED / plate.across
+    else:
+        base, slope = LAGRANGIAN if plate.model == "total-lagrangian" else UPDATED
+        bound = max((base + slope * nu) / plate.across, clamps_slip(scene, plate))
+    bound *= (0.5 if what in TIMES else SHORTENED if _shortens(scene, plate) else 1.0) / min(1.0 - plate.squeeze, 1.0)
+    bound += _stepped(scene, plate) if what in (*TIMES, *PEAKS) else 0.0
+    return bound + filled + sudden_error(scene, plate) + seen_late
+
+
+def _moves_as_a_whole(scene: Scene, plate: Plate) -> bool:
+    """Whether nothing but weight and a start moves a body: it flies whatever it is made of."""
+    solid, body = scene.solid, next(one for one in scene.solid.bodies if one.name == plate.name)
+    named = {one.body for one in (*solid.clamps, *solid.loads)}
+    bends = body.velocity_mode is not None or any(body.prestrain) or body.spin  # about what its particles weigh
+    held = any(solid.spring.stiffness) or any(solid.spring.damping) or solid.motion is not None
+    return scene.fluid is None and plate.name not in named and not bends and not held
+
+
+def _shortens(scene: Scene, plate: Plate) -> bool:
+    """Whether the goal is how far a plate that bends is drawn in along its length: the square of its deflection."""
+    if not plate.clamps or plate.along or not _of_displacement(scene):
+        return False
+    body = next(one for one in scene.solid.bodies if one.name == plate.name)
+    component = ("displacement-x", "displacement-y").index(goals_probe(scene).quantity)
+    return abs(float(axes_of(body.rotate)[lengthwise(body)[0]][component])) > ALONG
+
+
+def _filled(scene: Scene, plate: Plate) -> float:
+    """What particles hold of the body's area too much or too little, and so of its mass; of a body that is spun, of
+    its inertia."""
+    body, probe = next(one for one in scene.solid.bodies if one.name == plate.name), goals_probe(scene)
+    if body.spin and probe is not None and probe.quantity in ("angular-momentum", "kinetic-energy"):
+        return abs(excess_of_inertia(body, scene.solid.dx, FEW))
+    return abs(excess(body, scene.solid.dx, FEW)) * (0.5 if scene.goal.statistic in TIMES else 1.0)
+
+
+def _between_rows(scene: Scene, n: Numbers) -> float:
+    """What a peak, or its time, loses between two rows of probes: of half a period, and of a cosine's height."""
+    what, seen = scene.goal.statistic, periods(scene, n)
+    missed = 0.0 if seen is None else seen / probe_rows(scene)
+    return 2.0 * missed if what in ("t_min", "t_max") else 0.5 * (math.pi * missed) ** 2 if what in PEAKS else 0.0
+
+
+def _bent(plate: Plate, what: str) -> float:
+    """Largest strain by bending; a peak is up to twice the deflection at rest."""
+    if plate.deflection is None:
+        return 0.0
+    deflection = min((2.0 if what in PEAKS else 1.0) * plate.deflection / plate.length, 1.0)
+    return BENT[plate.clamps] * deflection * plate.thickness / plate.length
+
+
+def not_bounded(scene: Scene, n: Numbers) -> str:
+    """Why nothing bounds the structure's part; empty where something does."""
+    what = scene.goal.statistic
+    if not of_a_body(scene):
+        return ""
+    if what in UNBOUNDED and n.plate.model not in RIGID_MODELS:
+        return f"no bound is known of a structure's {what}; a mean, peak or period has one"
+    if n.plate.squeeze >= 1.0:
+        return f"pressed by {n.plate.squeeze:.3g} of Euler's load it buckles, and small differences decide how far"
+    if jumps(scene, n.plate):
+        return f"behind a front that jumps the {what} of a stress overshoots; give the load a ramp"
+    if what in PERIODS and (seen := periods(scene, n)) is not None and seen < LEAST_PERIODS:
+        longer = scene.end_time * LEAST_PERIODS / seen
+        return f"{seen:.2g} periods until the end show no {what}; end_time = {longer:.2g} or more"
+    return ""
+
+
+def periods(scene: Scene, n: Numbers) -> float | None:
+    """Periods of the plate's swing until the end; None where they are not known."""
+    held = n.plate.clamps > 0 or n.plate.model == "spring"  # a free body moves as a whole first
+    first = swing(scene, n) if held else None
+    return None if first is None else scene.end_time * first.omega / (2.0 * math.pi) * overtone(scene, n.plate)
+
+
+def overtone(scene: Scene, plate: Plate) -> float:
+    """Frequency of the bending mode that the plate starts in over that of the first; 1 where it starts in none."""
+    started = next(body.velocity_mode for body in scene.solid.bodies if body.name == plate.name)
+    if started is None or started.mode == 1:
+        return 1.0
+    return ((started.mode - 0.5) * math.pi / FIRST_ROOT[1]) ** 2  # cos βL cosh βL = −1, to a thousandth
+
+
+def swing_in_a_mean(scene: Scene, n: Numbers) -> float:
+    """What a swing from rest about the answer, or a creep to it, leaves in a mean."""
+    first = swing(scene, n)
+    if first is None or scene.goal.statistic not in STEADY:
+        return 0.0
+    start, end = scene.output.average_from, scene.end_time
+    measured, left, echoed = end - start, first.left(start), first.echoed(start, end)
+    if first.damping >= 2.0 * first.omega:  # a creep counts as far as it dies
+        return left / max(first.creep * measured, 1.0) + echoed
+    probe = goals_probe(scene)
+    ends = 1.0 + first.left(measured)  # of the time: both count until damping takes the later one away
+    much = FIRST_MODE * QUADRATIC.get(probe.quantity if probe is not None else "", 1.0)
+    return left * min(much * ends / (first.omega * measured), 1.0) + echoed
+
+
+def swing_at_the_end(scene: Scene, n: Numbers, error: float) -> float:
+    """What a value at the end is off by the phase of a swing that damping has left, where a stiffness is by `error`."""
+    plate, what = n.plate, scene.goal.statistic
+    late = what == "final" or (what == "change" and _of_displacement(scene))
+    if plate is None or not late or not of_a_body(scene):
+        return 0.0
+    seen = periods(scene, n)
+    if seen is None:
+        return 0.0
+    # What swings about nothing is as wrong, whatever is left of it.
+    left = 1.0 if plate.deflection == 0.0 else swing(scene, n).left(scene.end_time)
+    phase = 2.0 * math.pi * seen * (0.5 * error + _stepped(scene, plate))
+    return UNKNOWN if phase > LOST and left > 0.5 else 2.0 * left * min(phase, LOST)
+
+
+def _of_displacement(scene: Scene) -> bool:
+    probe = goals_probe(scene)
+    return probe is not None and probe.quantity in ("displacement-x", "displacement-y")
+
+
+def _stepped(scene: Scene, plate: Plate) -> float:
+    """Relative error of a swing by its steps: two in place of one leave a quarter of it."""
+    if plate.model != "beam":
+        return 0.0
+    step = min(plate.step, scene.end_time / probe_rows(scene))
+    return BEAM_STEPPED * (BEAM_STEPS * step * plate.frequency * overtone(scene, plate)) ** 2

@@ -1,0 +1,247 @@
+"""The ladder of model pairs for a scene's goal: what each would cost, how well it would do, and which is the smallest.
+
+For each pair the coarsest resolution is sought whose error bound (error.py) meets the goal; the smallest pair
+is the one of least expected cost on the table's machine (cost.py), so that nothing timed decides.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, field
+from typing import Literal, get_args
+
+from coupler.preflight.afloat import afloat
+from coupler.preflight.cost import Cost, predicted_cost
+from coupler.preflight.error import Parts, error_parts
+from coupler.preflight.error_flow import MOTIONS
+from coupler.preflight.error_solid import PHASE, SWING, not_bounded
+from coupler.preflight.finding import PARTICLE_FLUIDS, STEADY
+from coupler.preflight.numbers import Numbers, scene_numbers
+from coupler.preflight.plate import goals_probe
+from coupler.preflight.rules import findings
+from coupler.preflight.rules_joint import helmholtz
+from coupler.preflight.variations import coupled, dampings, fits, has_particles, refined, with_models
+from coupler.preflight.water import measure_water
+from shared.scene_checks import check_scene
+from shared.scene_models import FORCES
+from shared.schema import Scene
+from shared.schema_fluid import Fluid
+from shared.schema_solid import RIGID_MODELS, Solid
+
+Standing = Literal["smallest", "enough", "not enough", "cannot"]
+
+FLUIDS = ("still", "column", "wcsph", "ctvf")
+SOLIDS = ("rigid", "spring", "beam", "total-lagrangian", "ctvf")
+"""Both sides' rungs, the smallest first."""
+
+REFINEMENTS = (2.0, 1.5, 1.25, 1.0, 0.8, 2 / 3, 0.5, 0.4, 1 / 3, 0.25, 0.2, 1 / 6, 0.125, 0.1, 0.075, 0.05, 0.025)
+"""Spacings tried, over the scene's own."""
+
+NEAR, DEAR = 1.5, 10.0  # bound over the goal's error, and cost over its own, that make a near miss worth naming
+LONGEST = 3600.0
+"""Core-seconds, on the table's machine, that are not begun unless asked for."""
+_RIGID_SHARE = 10.0  # error of the flow per deflection over depth, when an elastic body is held rigid
+
+
+@dataclass(frozen=True)
+class Rung:
+    """One pair at one resolution: `sets` make it from the scene; `error` bounds the goal's, made of `parts`."""
+
+    fluid: str | None
+    solid: str | None
+    standing: Standing
+    reason: str
+    scene: Scene = field(repr=False)
+    sets: tuple[str, ...] = ()
+    error: float = math.inf
+    parts: Parts = field(default_factory=dict)
+    cost: Cost | None = None
+
+    @property
+    def name(self) -> str:
+        """Both models in words."""
+        return " + ".join(filter(None, (self.fluid, self.solid)))
+
+
+def ladder(scene: Scene) -> list[Rung]:
+    """All pairs for the scene's goal, the smallest first; the one to take has standing "smallest"."""
+    if scene.goal is None:
+        return []
+    fluids, solids = ({model: _cannot(scene, side, model) for model in known} for side, known in _rungs(scene))
+    rungs = [_rung(scene, fluid, solid, fluids[fluid] or solids[solid]) for fluid in fluids for solid in solids]
+    enough = [rung for rung in rungs if rung.standing == "enough"]
+    if not enough:
+        return rungs
+    best = min(enough, key=lambda rung: rung.cost.core_s)
+    return [_placed(rung, best) for rung in rungs]
+
+
+def smallest(rungs: list[Rung]) -> Rung | None:
+    """The rung to take, if any is enough."""
+    return next((rung for rung in rungs if rung.standing == "smallest"), None)
+
+
+def near_miss(rungs: list[Rung]) -> Rung | None:
+    """The cheapest pair that just misses the goal, where the smallest that meets it costs ten times as much."""
+    best = smallest(rungs)
+    if best is None:
+        return None
+    near = [r for r in rungs if r.standing == "not enough" and r.error <= NEAR * r.scene.goal.error]
+    return min((r for r in near if DEAR * r.cost.core_s < best.cost.core_s), key=lambda r: r.cost.core_s, default=None)
+
+
+def _placed(rung: Rung, best: Rung) -> Rung:
+    """The rung with its reason, seen from the best one."""
+    if rung.standing != "enough":
+        return rung
+    if rung is best:
+        return _replace(rung, standing="smallest", reason=f"bound {_percent(rung.error)} at the least cost")
+    more = (rung.cost.core_s - rung.cost.start_s) / max(best.cost.core_s - best.cost.start_s, 1e-9)
+    return _replace(rung, reason=f"not needed: {more:.3g} times the stepping of {best.name}")
+
+
+def _replace(rung: Rung, **changes) -> Rung:
+    return Rung(**{**rung.__dict__, **changes})
+
+
+def _rungs(scene: Scene) -> tuple[tuple[str, list], tuple[str, list]]:
+    """The models to try on each side; None alone for a side that is absent."""
+    fluids, solids = [None], [None]
+    if scene.fluid is not None:
+        fluids = [name for name in FLUIDS if name in get_args(Fluid.model_fields["model"].annotation)]
+    if scene.solid is not None and scene.solid.model in RIGID_MODELS:
+        solids = [scene.solid.model]
+    elif scene.solid is not None:
+        solids = [name for name in SOLIDS if name in get_args(Solid.model_fields["model"].annotation)]
+    return ("fluid", fluids), ("solid", solids)
+
+
+def _rung(scene: Scene, fluid: str | None, solid: str | None, why: str) -> Rung:
+    """The pair at the coarsest resolution that meets the goal, or `why` it cannot."""
+    base, sets = with_models(scene, fluid, solid)
+    if why:
+        return Rung(fluid, solid, "cannot", why, base, sets)
+    best: Rung | None = None
+    for factor in REFINEMENTS if has_particles(base) else (1.0,):
+        tried, spacing = refined(base, factor)
+        numbers = scene_numbers(tried)
+        if factor != 1.0 and not fits(numbers):
+            continue
+        judged = []
+        for damped, damping in dampings(tried, numbers):
+            joined, coupling = coupled(damped)
+            judged.append(_judged(joined, fluid, solid, (*sets, *coupling, *spacing, *damping)))
+        enough = [rung for rung in judged if rung.standing == "enough"]
+        if enough:
+            judged = [_startable(min(enough, key=lambda rung: rung.cost.core_s))]
+            if judged[0].standing == "enough":
+                return judged[0]
+        best = min([*judged, best] if best else judged, key=lambda rung: rung.error)
+    return best
+
+
+def _startable(rung: Rung) -> Rung:
+    """The rung, if a run of it would find no mistake as it starts. What takes hours is not looked at: laying its
+    particles takes long too."""
+    wrong = _mistake(rung.scene) if rung.cost.core_s < LONGEST else ""
+    return _replace(rung, standing="cannot", reason=wrong) if wrong else rung
+
+
+def _judged(scene: Scene, fluid: str | None, solid: str | None, sets: tuple[str, ...]) -> Rung:
+    numbers = scene_numbers(scene)
+    parts = error_parts(scene, numbers)
+    if scene.solid is not None and scene.solid.model == "rigid" and numbers.joint is not None:
+        parts["held rigid"] = _held_rigid(scene, numbers)
+    error, goal = sum(parts.values()), scene.goal.error
+    standing, reason = "enough", ""
+    if error > goal:
+        standing = "not enough"
+        worst = max(parts, key=parts.get)
+        if math.isinf(error):
+            reason = _unable(scene, numbers, worst)
+        else:
+            reason = f"bound {_percent(error)} above the goal's {_percent(goal)}, most of it by {worst}"
+            reason += ", which a longer end_time averages out" if worst == SWING else ""
+    elif wrong := _refusal(scene, numbers):
+        standing, reason = "cannot", wrong
+    return Rung(fluid, solid, standing, reason, scene, sets, error, parts, predicted_cost(scene, numbers))
+
+
+def _unable(scene: Scene, n: Numbers, worst: str) -> str:
+    """Why a pair has no bound at all."""
+    what = scene.goal.statistic
+    if n.water is not None and worst.startswith("fluid"):
+        if n.water.model in PARTICLE_FLUIDS and n.water.bottomless > 0.0:
+            return "the water falls away: under some of it there is nothing"
+        if n.water.model in PARTICLE_FLUIDS:
+            found = helmholtz(scene, n)
+            if found is not None and found.verdict == "refuse":
+                return f"the low sound speed cannot resolve a {what}: {found.reason}"
+            if n.water.rests and goals_probe(scene).quantity in MOTIONS:
+                return "the water rests: of a motion that is nothing there is no relative error"
+            return "what is left of the value is too little for a bound of its relative error"
+        if n.plate is not None and afloat(scene, n.plate):
+            return f"the body floats: the windows of {n.water.model} do not follow its heave"
+        if not any(scene.gravity) and n.water.model == "still":
+            return "water at rest without weight presses on nothing"
+        if not n.water.rests:
+            return "the water is not at rest: nothing holds it where it stands, or it starts moving"
+        if n.water.boxed and n.joint is not None and n.joint.closes:
+            return (
+                f"the plate closes a box of water, whose pressure comes from being squeezed; {n.water.model} has none"
+            )
+        if what not in STEADY:
+            return f"a {what} feels the mass of the water that moves along, which {n.water.model} leaves out"
+    if worst == PHASE:
+        return (
+            "by the end the phase of the swing is not known to a radian, so that its value may be anything: judge a "
+            "peak or a mean, end earlier, or damp it (solid.damping)"
+        )
+    return not_bounded(scene, n) or f"{worst} does not express the goal"
+
+
+def _cannot(scene: Scene, side: str, model: str | None) -> str:
+    """Why a model cannot express its side of the scene at all; empty if it can."""
+    solid, goal = scene.solid, scene.goal
+    if side == "solid" and model in RIGID_MODELS and solid.model not in RIGID_MODELS:
+        probe = next((p for p in scene.probes if p.name == goal.probe), None)
+        of_solid = probe is None or probe.body in {body.name for body in solid.bodies}
+        if model == "spring" or (of_solid and (probe is None or probe.quantity not in FORCES)):
+            return "the goal is how an elastic body deforms"
+    if model in ("still", "column") and solid is None:
+        return f"model {model} is water on a structure, and there is none"
+    changed, _ = with_models(scene, *((model, None) if side == "fluid" else (None, model)))
+    if (
+        side == "fluid"
+        and model in PARTICLE_FLUIDS
+        and scene.fluid.model == "column"
+        and not measure_water(changed).held
+    ):
+        return "columns stand without walls, particles fall: nothing holds the water; add [[walls]] around it"
+    return _mistake(changed)
+
+
+def _mistake(scene: Scene) -> str:
+    """The first mistake of a scene, in one line; empty without."""
+    return next((mistake.replace("\n", " ") for mistake in check_scene(scene)), "")
+
+
+def _refusal(scene: Scene, n: Numbers) -> str:
+    """The first of pre-flight's own refusals; empty without."""
+    refused = (found for found in findings(scene, n) if found.verdict == "refuse")
+    return next((f"{found.rule} = {found.value:.3g}: {found.reason}" for found in refused), "")
+
+
+def _held_rigid(scene: Scene, n: Numbers) -> float:
+    """Error of a flow by holding an elastic body rigid; nothing is right in a box that it closes."""
+    if n.water.boxed and n.joint.closes:
+        return math.inf
+    if scene.solid.youngs_modulus is None:  # nothing else was ever meant
+        return 0.0
+    elastic = scene_numbers(scene.model_copy(update={"solid": scene.solid.model_copy(update={"model": "beam"})}))
+    bent = elastic.plate.deflection if elastic.plate.deflection is not None else 0.0
+    return _RIGID_SHARE * bent / n.joint.depth
+
+
+def _percent(value: float) -> str:
+    return f"{100.0 * value:.2g} %"

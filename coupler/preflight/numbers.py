@@ -1,0 +1,101 @@
+"""The numbers that describe a scene before anything is computed, from the scene alone.
+
+Symbols: ρ density, c0 the fluid's sound speed, H the water's depth before the plate, t the plate's thickness, L its
+length, D = E t³/(12 (1 − ν²)) its bending stiffness (plane strain), f its first dry frequency, Δt a time step. The
+*plate* is the body that the goal asks about, or else the thinnest; other shapes are measured by their bounding boxes in
+their own frames. Where the worst body decides (mass ratio, windows, supports, particles across), t is of the thinnest.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+
+from coupler.preflight.held import lengthwise
+from coupler.preflight.plate import Plate, levels_before, measure_plate
+from coupler.preflight.water import Water, measure_water
+from shared.geometry import outline
+from shared.regions import axes_of
+from shared.schema import Scene
+from shared.schema_geometry import Body
+
+MODE_SHARE = {1: 0.613, 2: 0.690}  # (∫φ)²/(L ∫φ²) of the first mode: share of a column's mass that moves with it
+_SPANS = 0.9  # of the water's width: a plate this long moves the whole column
+
+
+@dataclass(frozen=True)
+class Joint:
+    """What water and plate are to each other: r = ρ_f H/(ρ_s t), `depth` H [m] of the water along the plate's normal,
+    `reach` [m]: how far into it a swing is felt, `moved`: mass that swings over the plate's own, `wet_frequency` [1/s]
+    with the mass of incompressible water or, of a sprung body, of its column, `closes`: a body spans the water's whole
+    width."""
+
+    mass_ratio: float
+    depth: float
+    reach: float
+    moved: float
+    wet_frequency: float | None
+    closes: bool
+
+
+@dataclass(frozen=True)
+class Numbers:
+    """All numbers of a scene; a side that is absent is None."""
+
+    water: Water | None
+    plate: Plate | None
+    joint: Joint | None
+
+
+def scene_numbers(scene: Scene) -> Numbers:
+    """The numbers of a checked scene."""
+    water = measure_water(scene) if scene.fluid is not None else None
+    plate = measure_plate(scene, water) if scene.solid is not None else None
+    joint = _joint(scene, water, plate) if water and plate else None
+    return Numbers(water, plate, joint)
+
+
+def _joint(scene: Scene, water: Water, plate: Plate) -> Joint:
+    body = next(one for one in scene.solid.bodies if one.name == plate.name)
+    normal = axes_of(body.rotate)[1 - lengthwise(body)[0]]
+    corners = np.concatenate([outline(one).reshape(-1, 2) for one in scene.fluid.bodies])
+    depth = float(np.ptp(corners @ normal))
+    closing = [one.name for one in scene.solid.bodies if _closes(scene, one, corners)]
+    own = plate.name in closing
+    reach = depth if own or not plate.clamps else min(depth, plate.length / math.pi)
+    moved, wet_frequency = 1.0, None
+    if plate.frequency is not None and plate.clamps:  # a free body moves as a whole first
+        # Incompressible water: a plate that closes its column moves all of it, another a layer of L/π on a side.
+        layer = reach * MODE_SHARE.get(plate.clamps, 1.0) if own else reach
+        added = water.density * layer * max(plate.wet, 1)
+        moved += added / (plate.density * plate.thickness)
+        wet_frequency = plate.frequency / math.sqrt(moved)
+    elif plate.frequency is not None and plate.model == "spring" and plate.wet and _in_column(water, plate, closing):
+        moved, stiffer = _sprung_in_column(scene, water, plate, depth)
+        wet_frequency = plate.frequency * math.sqrt(stiffer / moved)
+    ratio = water.density * depth / (plate.density * plate.thinnest)
+    return Joint(ratio, depth, reach, moved, wet_frequency, bool(closing))
+
+
+def _in_column(water: Water, plate: Plate, closing: list[str]) -> bool:
+    """Whether water moves with a sprung body as one column."""
+    return water.model == "column" or (plate.name in closing and not water.boxed)
+
+
+def _sprung_in_column(scene: Scene, water: Water, plate: Plate, depth: float) -> tuple[float, float]:
+    """How many times a sprung body's mass and stiffness columns make of them: all their mass with an open end, a third
+    of it and their own stiffness ρ c²/H with a closed one."""
+    mass, column = plate.density * plate.thickness, plate.wet * water.density * depth
+    if scene.fluid.column.far_end == "open":
+        return 1.0 + column / mass, 1.0
+    stiffer = column * (water.sound_speed / depth) ** 2 / (mass * (2.0 * math.pi * plate.frequency) ** 2)
+    return 1.0 + column / (3.0 * mass), 1.0 + stiffer
+
+
+def _closes(scene: Scene, body: Body, corners: np.ndarray) -> bool:
+    """Whether a body with water on one side spans all of it."""
+    axis, _, length = lengthwise(body)
+    spans = length >= _SPANS * float(np.ptp(corners @ axes_of(body.rotate)[axis]))
+    return spans and len(levels_before(scene, body)) == 1

@@ -1,0 +1,228 @@
+"""The structure's part of pre-flight: the body that matters as a plate, from the scene alone."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+
+from coupler.preflight.held import (
+    FACES_OF_AXIS,
+    bending_frequency,
+    held_ends,
+    largest_factor,
+    lengthwise,
+    pushed_along,
+    squeezed,
+    swing_frequency,
+)
+from coupler.preflight.shapes import area
+from coupler.preflight.water import UPWARD, Water, edge_samples
+from shared.geometry import contains, outline, own_box
+from shared.regions import axes_of
+from shared.scene_models import FORCES
+from shared.schema import Scene
+from shared.schema_geometry import Body
+from shared.schema_probes import Probe
+from shared.schema_solid import RIGID_MODELS
+from shared.solid_step import (
+    UPDATED_COURANT,
+    beam_step,
+    expected_limit,
+    lattice_step,
+    viscous_time,
+    wave_speed,
+)
+
+STATIC_FACTOR = {1: 8.0, 2: 384.0}  # k in the largest deflection q L⁴/(k D) under a uniform load
+TIP_FACTOR = 3.0  # the same of a cantilever, F L³/(k D) under a force at its tip
+_WET = 0.5  # of a face's samples before which water stands, from which it counts as wetted
+
+
+@dataclass(frozen=True)
+class Plate:
+    """The body that the goal asks about, or else the thinnest of the solid. `frequency` [1/s]: of a slender body, or of
+    a rigid one on its springs; `deflection` [m]: of a slender body under the scene's loads; None where there is no such
+    thing. `stretch`: strain along its length under them; `along`: they push it along its length alone; `squeeze`: what
+    presses it along its length over Euler's load; `wet`: number of its long faces with water before them at
+    t = 0; `thinnest` [m]: thickness of the thinnest body, the first to fail where an exchange or a spacing does."""
+
+    name: str
+    model: str
+    density: float
+    thickness: float
+    length: float
+    across: float
+    clamps: int
+    wave_speed: float
+    stiffness: float
+    frequency: float | None
+    deflection: float | None
+    stretch: float
+    along: bool
+    squeeze: float
+    wet: int
+    particles: float
+    step: float
+    damping: float
+    thinnest: float
+
+    @property
+    def fewest(self) -> float:
+        """Particles across the thinnest body."""
+        return self.across * self.thinnest / self.thickness
+
+
+def goals_probe(scene: Scene) -> Probe | None:
+    """The probe that the goal is about."""
+    return next((one for one in scene.probes if scene.goal is not None and one.name == scene.goal.probe), None)
+
+
+def of_a_body(scene: Scene) -> bool:
+    """Whether the goal is of what a body of the solid does, and not of the water's push on it."""
+    probe, solid = goals_probe(scene), scene.solid
+    named = probe is not None and solid is not None and probe.body in {body.name for body in solid.bodies}
+    return named and probe.quantity not in FORCES
+
+
+def measure_plate(scene: Scene, water: Water | None) -> Plate:
+    solid, probe = scene.solid, goals_probe(scene)
+    thinnest = min(solid.bodies, key=lambda one: lengthwise(one)[1])
+    asked = (one for one in solid.bodies if probe is not None and one.name == probe.body)
+    body = next(asked, thinnest)
+    axis, thickness, length = lengthwise(body)
+    ends = held_ends(scene, body)
+    elastic = solid.youngs_modulus is not None and solid.model not in RIGID_MODELS
+    nu, modulus = solid.poisson_ratio, solid.youngs_modulus or math.inf
+    stiffness = modulus * thickness**3 / (12.0 * (1.0 - nu**2))
+    frequency = deflection = None
+    levels = levels_before(scene, body) if water is not None else []
+    squeeze = squeezed(scene, body, len(levels) == 2) if elastic else 0.0
+    if elastic:
+        frequency = swing_frequency(scene, body, squeeze)
+    damping = solid.damping
+    if solid.model == "spring":
+        frequency, damping = _sprung(scene, body)
+    axes = axes_of(body.rotate)
+    stretch = _pull(scene, body, axis, axes[axis]) * (1.0 - nu**2) / modulus if elastic else 0.0
+    along = elastic and pushed_along(scene, body, axis)
+    if along and ends:
+        deflection = stretch * length
+    elif elastic and ends:
+        uniform, tip = _load(scene, body, axes[1 - axis], water, levels)
+        bending = uniform * length / STATIC_FACTOR[ends] + (tip / TIP_FACTOR if ends == 1 else 0.0)
+        deflection = abs(bending) * length**3 / stiffness
+    return Plate(
+        name=body.name,
+        model=solid.model,
+        density=solid.density,
+        thickness=thickness,
+        length=length,
+        across=thickness / solid.dx,
+        clamps=ends,
+        wave_speed=wave_speed(solid) if solid.youngs_modulus is not None else math.inf,
+        stiffness=stiffness,
+        frequency=frequency,
+        deflection=deflection,
+        stretch=stretch,
+        along=along,
+        squeeze=squeeze,
+        wet=len(levels),
+        particles=_solid_particles(scene),
+        step=_solid_step(scene, ends),
+        damping=damping,
+        thinnest=lengthwise(thinnest)[1],
+    )
+
+
+def _sprung(scene: Scene, body: Body) -> tuple[float | None, float]:
+    """Frequency [1/s] and damping [1/s] of a body on its springs, the stiffest of those that water before one of its
+    faces, or else anything, can push against; None and 0 without."""
+    spring, mass = scene.solid.spring, scene.solid.density * area(body)
+    pushed = np.eye(2)
+    if scene.fluid is not None:
+        middle, outward = edge_samples([body], scene.fluid.dx)
+        wet = np.any([contains(water, middle + scene.fluid.dx * outward) for water in scene.fluid.bodies], axis=0)
+        pushed = outward[wet] if wet.any() else pushed
+    stiffness = pushed**2 @ np.array(spring.stiffness[:2])
+    damping = pushed**2 @ np.array(spring.damping[:2])
+    k = int(np.argmax(stiffness))
+    return (math.sqrt(stiffness[k] / mass) / (2.0 * math.pi), damping[k] / mass) if stiffness[k] > 0.0 else (None, 0.0)
+
+
+def _solid_particles(scene: Scene) -> float:
+    """Particles, or nodes of beams, that the solid steps."""
+    solid = scene.solid
+    if solid.model == "beam":
+        return sum(float(np.max(np.subtract(*own_box(body)[::-1]))) / solid.dx + 1.0 for body in solid.bodies)
+    return sum(area(body) for body in solid.bodies) / solid.dx**2
+
+
+def _solid_step(scene: Scene, clamps: int) -> float:
+    """As the model will choose it, where a lattice's largest frequency is an expectation (shared/solid_step.py)."""
+    solid = scene.solid
+    if solid.model == "beam":
+        return beam_step(max(bending_frequency(scene, body) for body in solid.bodies))
+    if solid.model in RIGID_MODELS:
+        return scene.end_time
+    spacing_time = solid.dx / wave_speed(solid)
+    if solid.courant != "auto":
+        return solid.courant * spacing_time
+    if solid.model == "ctvf":
+        return UPDATED_COURANT[solid.gradient] * spacing_time
+    return lattice_step(expected_limit(clamps, solid.poisson_ratio) * spacing_time, viscous_time(solid))
+
+
+def levels_before(scene: Scene, body: Body) -> list[float]:
+    """Of each of the body's long faces with water before half of them or more at t = 0, how far that water reaches
+    against gravity [m]."""
+    dx, g = scene.fluid.dx, np.asarray(scene.gravity)
+    up = -g / np.hypot(*g) if g.any() else np.zeros(2)
+    middle, outward = edge_samples([body], dx)
+    normal = axes_of(body.rotate)[1 - lengthwise(body)[0]]
+    levels = []
+    for sense in (-1.0, 1.0):
+        points = (middle + dx * outward)[outward @ normal * sense > UPWARD]
+        inside = [contains(water, points) for water in scene.fluid.bodies]
+        before = np.any(inside, axis=0)
+        if before.any() and before.mean() >= _WET:
+            wetting = (water for water, one in zip(scene.fluid.bodies, inside, strict=True) if one.any())
+            levels.append(max(float((outline(water).reshape(-1, 2) @ up).max()) for water in wetting))
+    return levels
+
+
+def _load(
+    scene: Scene, body: Body, normal: np.ndarray, water: Water | None, levels: list[float]
+) -> tuple[float, float]:
+    """Uniform load [Pa] on the plate along its normal, by loads, weight and water, of which between two waters the
+    difference of their levels counts, and the force [N/m] on its end faces; an estimate."""
+    solid, (axis, thickness, _) = scene.solid, lengthwise(body)
+    load = float(np.dot(scene.gravity, normal)) * solid.density * thickness if solid.gravity else 0.0
+    tip = 0.0
+    for one in solid.loads:
+        if one.body == body.name:
+            along = float(np.dot(one.traction or one.acceleration, normal)) * largest_factor(one)
+            if one.face in FACES_OF_AXIS[axis]:
+                tip += along * thickness
+            else:
+                load += along if one.traction else along * solid.density * thickness
+    if water is None:
+        return load, tip
+    g = math.hypot(*scene.gravity)
+    if len(levels) == 2:
+        pressure = water.density * g * abs(levels[0] - levels[1])
+    else:
+        pressure = water.density * (g * water.height if water.rests else water.speed**2)
+    return abs(load) + pressure, abs(tip)
+
+
+def _pull(scene: Scene, body: Body, axis: int, along: np.ndarray) -> float:
+    """Stress [Pa] along the body's length at its clamped end, by end loads and weight; an estimate."""
+    solid = scene.solid
+    length = float(np.subtract(*own_box(body)[::-1])[axis])
+    stress = float(np.dot(scene.gravity, along)) * solid.density * length if solid.gravity else 0.0
+    for one in solid.loads:
+        if one.body == body.name and one.face in FACES_OF_AXIS[axis]:
+            stress += float(np.dot(one.traction, along)) * largest_factor(one)
+    return abs(stress)

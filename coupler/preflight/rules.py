@@ -1,0 +1,76 @@
+"""Pre-flight's rules: one number of the scene each, with a verdict, a line of reason and the way out.
+
+A rule takes the scene and its numbers and returns a Finding, or None where it has nothing to look at. A new rule is
+one function beside its like (of the water, the structure, the joint of both, the size of all) and one entry of RULES.
+What the limits rest on stands beside them.
+"""
+
+from __future__ import annotations
+
+from coupler.preflight.finding import Finding, Rule
+from coupler.preflight.numbers import Numbers
+from coupler.preflight.rules_joint import (
+    density_ratio,
+    ghost_acceleration,
+    helmholtz,
+    mass_ratio,
+    step_ratio,
+    support,
+    window_number,
+)
+from coupler.preflight.rules_plate import (
+    across,
+    cauchy,
+    courant_solid,
+    euler,
+    periods_seen,
+    poisson,
+    printed_gradient,
+    slenderness,
+)
+from coupler.preflight.rules_size import filled_area, steps
+from coupler.preflight.rules_water import (
+    courant_fluid,
+    falls_out,
+    froude,
+    mach,
+    neighbours,
+    start_up,
+    viscosity,
+    water_across,
+)
+from shared.schema import Scene
+
+RULES: tuple[Rule, ...] = (
+    mach,
+    helmholtz,
+    froude,
+    slenderness,
+    cauchy,
+    euler,
+    density_ratio,
+    mass_ratio,
+    window_number,
+    across,
+    support,
+    ghost_acceleration,
+    step_ratio,
+    courant_fluid,
+    courant_solid,
+    water_across,
+    neighbours,
+    viscosity,
+    falls_out,
+    start_up,
+    poisson,
+    printed_gradient,
+    periods_seen,
+    filled_area,
+    steps,
+)
+
+
+def findings(scene: Scene, numbers: Numbers) -> list[Finding]:
+    """What all rules say of a scene."""
+    found = (rule(scene, numbers) for rule in RULES)
+    return [one for one in found if one is not None]

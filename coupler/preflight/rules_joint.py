@@ -1,0 +1,141 @@
+"""Pre-flight's rules of what water and structure are to each other. See rules.py."""
+
+from __future__ import annotations
+
+import math
+
+from coupler.preflight.finding import COLUMN, STEADY, Finding, above, below, of_particles
+from coupler.preflight.numbers import Numbers
+from coupler.preflight.swing import RADIATES, sounding
+from coupler.preflight.window import expected_plan, expected_window
+from coupler.window import largest_alpha
+from shared.ghost_inertia import ghost_inertia, ghosts_feel_acceleration, largest_inertia
+from shared.schema import Scene
+from shared.schema_solid import PARTICLE_MODELS
+
+HELMHOLTZ_WARN, HELMHOLTZ_REFUSE = 0.8, RADIATES  # half and all of a quarter wave, where a column resonates
+DENSITY_RATIO = (0.009, 100.0)  # polystyrene foam in water 0.015, tungsten in it 19
+MASS_RATIO_WARN = 50.0  # the heaviest water that was run explicitly over its plate: hydrostatic_plate, 15
+ALPHA_WARN = 8.0 / 7.0  # of the largest of automatic windows; 0.07 decays and 0.14 grows on a reflecting column
+ALPHA_REFUSE = {"serial": (2.0, 1.155, 0.709), "parallel": (0.667, 0.252, 0.078)}
+"""Limits on an absorbing column, by predictor order: coupler/stability/theory.py."""
+SUPPORT_WARN, SUPPORT_REFUSE = 1.0, 0.5  # thickness over support: water sees water through the plate below 1
+STEP_RATIO_WARN = 5000.0  # sub-steps of the solid per fluid step; hydrostatic_plate has 170
+
+
+def helmholtz(scene: Scene, n: Numbers) -> Finding | None:
+    """Depth of the water in radians of sound at the plate's frequency in incompressible water, 2π f H/c0."""
+    if n.joint is None or not of_particles(n) or n.joint.wet_frequency is None:
+        return None
+    j, w = n.joint, n.water
+    value = sounding(scene, n)
+    wet = f"in incompressible water the plate swings at {j.wet_frequency:.3g} Hz"
+    if value <= HELMHOLTZ_WARN:
+        return Finding("Helmholtz", value, "ok", f"{wet}; sound crosses the water in time")
+    why = (
+        f"{wet}, but at c0 = {w.sound_speed:.3g} m/s sound needs {value / (2 * math.pi):.2g} periods to cross "
+        f"{j.depth:.3g} m of water: the water takes energy away instead of moving along, and the plate rings near its "
+        f"dry {n.plate.frequency:.3g} Hz"
+    )
+    if scene.goal is not None and scene.goal.statistic in STEADY:
+        return Finding("Helmholtz", value, "ok", f"{why}; the goal's mean does not feel it, peaks and periods would")
+    # Columns are offered where their bound can reach the goal.
+    column = scene.goal is None or (w.rests and scene.goal.error >= COLUMN)
+    ways = ["judge a mean (goal.statistic)", *(["use fluid.model = column (incompressible)"] if column else [])]
+    way_out = ", ".join(ways) + f", or {_faster_sound(w.sound_speed, value / HELMHOLTZ_WARN)}"
+    # Who wants nothing is not refused it; and a splash may pass without the plate's own swing.
+    refuse = HELMHOLTZ_REFUSE if scene.goal is not None and w.rests else math.inf
+    return Finding("Helmholtz", value, above(value, HELMHOLTZ_WARN, refuse), why, way_out)
+
+
+def _faster_sound(now: float, times: float) -> str:
+    """The way out that sound `times` as fast is, rounded up, and what it costs."""
+    digit = 10.0 ** (math.floor(math.log10(now * times)) - 2)
+    needed = digit * math.ceil(now * times / digit)
+    more = f"{needed / now:.2g} times" if needed > 1.2 * now else f"{100.0 * (needed / now - 1.0):.1g} % more than"
+    return f"fluid.sound_speed = {needed:.3g} (now {now:.4g}; limit {HELMHOLTZ_WARN:g}), at {more} the cost"
+
+
+def mass_ratio(scene: Scene, n: Numbers) -> Finding | None:
+    """r = ρ_f H/(ρ_s t): how much water a plate moves; what a lagged exchange feels."""
+    if n.joint is None or n.plate.model == "rigid":
+        return None
+    value, scheme = n.joint.mass_ratio, scene.coupling.scheme
+    if n.water.boxed and n.joint.closes:
+        limit = 1.0 / (2.0 ** (scene.coupling.predictor + 1) - 1.0)
+        reason = f"the plate closes a box of water: an explicit exchange diverges above {limit:.3g}"
+        if value > limit and scheme.endswith("explicit"):
+            return Finding("mass ratio", value, "refuse", reason, "an implicit scheme with iqn-ils, or scheme = auto")
+        return Finding("mass ratio", value, "ok", reason)
+    reason = "the water over the plate's area weighs so many plates"
+    if value > MASS_RATIO_WARN and scheme.endswith("explicit"):
+        return Finding("mass ratio", value, "warn", reason, "an implicit scheme with iqn-ils, or scheme = auto")
+    return Finding("mass ratio", value, "ok", reason)
+
+
+def density_ratio(scene: Scene, n: Numbers) -> Finding | None:
+    """Structure's density over the fluid's, where it counts: far from that of any solid in a liquid is a wrong unit."""
+    if n.joint is None or n.plate.model == "rigid":
+        return None
+    value, (least, most) = n.plate.density / n.water.density, DENSITY_RATIO
+    reason = f"{n.plate.density:g} over {n.water.density:g} kg/m³"
+    if least <= value <= most:
+        return Finding("density ratio", value, "ok", reason)
+    way_out = "check the units of both densities: water has 1000 kg/m³, steel 7850"
+    return Finding("density ratio", value, "warn", f"{reason}: no solid in a liquid has such a one", way_out)
+
+
+def window_number(scene: Scene, n: Numbers) -> Finding | None:
+    """α = ρ_f c0 Δt/(ρ_s t) of the coupling window: how far sound lets a lagged load run ahead."""
+    window = expected_window(scene, n)
+    if window is None or not of_particles(n) or n.plate.model == "rigid":
+        return None
+    value = n.water.density * n.water.sound_speed * window / (n.plate.density * n.plate.thinnest)
+    reason = f"window {window:.3g} s"
+    asked = scene.coupling.scheme if scene.coupling.window != "auto" else expected_plan(scene, n).scheme
+    if asked.endswith("implicit"):
+        return Finding("window α", value, "ok", f"{reason}, iterated")
+    limit = ALPHA_REFUSE["parallel" if asked.startswith("parallel") else "serial"][scene.coupling.predictor]
+    most = min(ALPHA_WARN * largest_alpha(asked, scene.coupling.predictor), 0.9 * limit)
+    verdict = above(value, most * (1.0 + 1e-9), limit)
+    way_out = "" if verdict == "ok" else f"coupling.window = {window * most / value:.3g} or auto"
+    return Finding("window α", value, verdict, f"{reason}, limit {limit:g}", way_out)
+
+
+def support(scene: Scene, n: Numbers) -> Finding | None:
+    """The thinnest body's thickness over the fluid kernel's support."""
+    if n.plate is None or not of_particles(n):
+        return None
+    value = n.plate.thinnest / n.water.support
+    faced = n.joint is not None and scene.coupling.loads == "pressure"  # over faces that feel their own side alone
+    verdict = below(value, SUPPORT_WARN, SUPPORT_WARN if faced else SUPPORT_REFUSE)
+    reason = f"support {n.water.support:.3g} m, plate {n.plate.thinnest:.3g} m"
+    if verdict == "ok":
+        return Finding("thickness/support", value, verdict, reason)
+    finer = n.water.dx * value
+    way_out = f"fluid.dx = {finer:.3g}" + (", or coupling.loads = force" if faced else "")
+    return Finding("thickness/support", value, verdict, f"{reason}: water sees water through it", way_out)
+
+
+def ghost_acceleration(scene: Scene, n: Numbers) -> Finding | None:
+    """ρ_f dx/(ρ_s t): mass of the water between particles and face over the structure's own."""
+    if n.joint is None or not of_particles(n) or n.plate.model == "rigid" or not scene.fluid.structure_acceleration:
+        return None
+    value, limit = ghost_inertia(scene), largest_inertia(scene.coupling)
+    if not ghosts_feel_acceleration(scene):
+        return Finding("ghost acceleration", value, "ok", f"left out: past {limit:g} it would drive the plate")
+    verdict = above(value, limit)
+    if verdict == "ok":
+        return Finding("ghost acceleration", value, verdict, f"water of one layer over the plate, limit {limit:g}")
+    reason = f"pressures extrapolated with the acceleration of a plate past {limit:g} drive it"
+    return Finding("ghost acceleration", value, verdict, reason, "fluid.structure_acceleration = auto")
+
+
+def step_ratio(scene: Scene, n: Numbers) -> Finding | None:
+    """Fluid step over solid step: the solid's sub-steps."""
+    if n.joint is None or not of_particles(n) or n.plate.model not in PARTICLE_MODELS:
+        return None
+    value = n.water.step / n.plate.step
+    verdict = above(value, STEP_RATIO_WARN)
+    reason = f"{n.water.step:.3g} s over {n.plate.step:.3g} s"
+    return Finding("step ratio", value, verdict, reason, "" if verdict == "ok" else "solid.model = beam is implicit")

@@ -1,0 +1,51 @@
+"""Pre-flight's rules of how much there is of a scene: area in particles, time in steps. See rules.py."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from coupler.preflight.finding import Finding, above, of_particles
+from coupler.preflight.numbers import Numbers
+from coupler.preflight.shapes import excess
+from shared.geometry import own_box
+from shared.schema import Scene
+
+AREA_WARN = 0.02  # of a body's area that its particles hold too much or too little
+AREA_EXACT = 5e-5
+STEPS_WARN, STEPS_REFUSE = 1e9, 1e13  # hours of the smallest scene; years
+MOST_FILLED = 2e5  # cells of a body that pre-flight fills: with more, the error is far below AREA_WARN
+
+
+def filled_area(scene: Scene, n: Numbers) -> Finding | None:
+    """What the particles of a body hold beyond its area, over the area: of the body where it is most. A rectangle's
+    particles always fit."""
+    sides = [("fluid", scene.fluid)] if of_particles(n) else []
+    sides += [("solid", scene.solid)] if n.plate is not None and n.plate.model != "beam" else []
+    shapes = [(side, body, one.dx) for side, one in sides for body in one.bodies if body.rectangle is None]
+    small = [s for s in shapes if np.prod(np.subtract(*own_box(s[1])[::-1])) / s[2] ** 2 <= MOST_FILLED]
+    if not small:
+        return None
+    value, side, name = max(
+        ((excess(body, dx, MOST_FILLED), side, body.name) for side, body, dx in small), key=lambda one: abs(one[0])
+    )
+    verdict = above(abs(value), AREA_WARN)
+    if abs(value) < AREA_EXACT:
+        return Finding("filled area", value, "ok", "particles hold the areas of their bodies")
+    reason = f"particles of '{name}' hold {100 * abs(value):.2g} % {'more' if value > 0.0 else 'less'} than its area"
+    return Finding("filled area", value, verdict, reason, "" if verdict == "ok" else f"a smaller {side}.dx")
+
+
+def steps(scene: Scene, n: Numbers) -> Finding | None:
+    """Steps to the end, of the side that takes more of them; nothing to say of fewer than any machine takes."""
+    shortest = [side.step for side in (n.water, n.plate) if side is not None and side.step > 0.0]
+    value = scene.end_time / min(shortest, default=math.inf)
+    verdict = above(value, STEPS_WARN, STEPS_REFUSE)
+    if verdict == "ok":
+        return None
+    reason = f"{value:.2g} steps of {min(shortest):.2g} s to end_time = {scene.end_time:g} s"
+    way_out = (
+        "check the units of end_time, dx, gravity, motions, stiffness and solid.alpha; larger spacings take fewer steps"
+    )
+    return Finding("steps", value, verdict, reason, way_out)

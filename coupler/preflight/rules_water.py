@@ -1,0 +1,140 @@
+"""Pre-flight's rules of the water alone. See rules.py."""
+
+from __future__ import annotations
+
+import math
+
+from coupler.preflight.finding import Finding, above, below, of_particles
+from coupler.preflight.numbers import Numbers
+from shared.expected_speed import water_speed
+from shared.fluid_step import COURANT, LARGEST_COURANT
+from shared.schema import Scene
+from shared.schema_geometry import Domain
+
+MACH_WARN, MACH_REFUSE = 0.2, 0.5  # density varies by Ma²: 4 %, a quarter
+MACH_IDLE = 0.02  # five times the usual sound speed, and as many steps, for a density that varies by 0.04 %
+FASTEST_SOUND = 5000.0  # m/s: no liquid's is faster, so that an artificial one above it follows from a wrong number
+ARTIFICIAL = 0.05  # of the fluid's own viscosity
+CREEPING = 50.0  # Reynolds number below which viscous stress is all there is: a Couette flow at h/dx 1.3 is 10 % low
+WORN_OUT = 100.0  # dam_break has 450; a jet of 75 loses half of its energy on a plate
+WATER_ACROSS_WARN = 8.0
+H_OVER_DX = {"wendland-c2": (1.0, 3.0), "quintic-spline": (0.9, 1.6)}  # fewer: noise; more: pairs
+LOOSE = 3.5  # support over dx from which a lattice is loose enough for small waves
+H_OVER_DX_FALLING = 1.7  # dam_break_wall at 2.0: 11 to 20 particles in the walls, energy up by 0.3 to 0.9 %
+
+
+def mach(scene: Scene, n: Numbers) -> Finding | None:
+    """Largest expected speed over the artificial sound speed."""
+    if not of_particles(n):
+        return None
+    w = n.water
+    value = w.speed / w.sound_speed
+    verdict = above(value, MACH_WARN, MACH_REFUSE)
+    reason = f"up to {w.speed:.3g} m/s at c0 = {w.sound_speed:.3g} m/s: density varies by {100 * value**2:.2g} %"
+    if verdict != "ok":
+        return Finding("Mach", value, verdict, reason, f"fluid.sound_speed = {10.0 * w.speed:.3g}, or auto")
+    if w.sound_speed > FASTEST_SOUND:
+        why = f"{reason}; sound in water itself runs at 1480 m/s"
+        return Finding("Mach", value, "warn", why, "check the units of gravity, motions, velocities and lengths")
+    if 0.0 < value < MACH_IDLE and water_speed(scene) > 0.0:  # a structure's start is no bound of what water reaches
+        way_out = f"fluid.sound_speed = {10.0 * w.speed:.3g} takes {0.1 / value:.3g} times fewer steps"
+        return Finding("Mach", value, "warn", reason, way_out)
+    return Finding("Mach", value, "ok", reason)
+
+
+def froude(scene: Scene, n: Numbers) -> Finding | None:
+    """Largest expected speed over √(g H): how high the water can jump, and whether the domain holds it."""
+    g = math.hypot(*scene.gravity)
+    if not of_particles(n) or g == 0.0:
+        return None
+    w = n.water
+    value = w.speed / math.sqrt(g * w.height)
+    rise = w.speed**2 / (2.0 * g)
+    reason = f"the fastest water can rise {rise:.3g} m"
+    if isinstance(scene.domain, Domain) and scene.gravity[0] == 0.0:
+        room = scene.domain.upper[1] - scene.domain.lower[1]
+        if rise > room * (1.0 + 1e-9):
+            return Finding("Froude", value, "warn", f"{reason}, the domain is {room:.3g} m high", 'domain = "auto"')
+    return Finding("Froude", value, "ok", reason)
+
+
+def courant_fluid(scene: Scene, n: Numbers) -> Finding | None:
+    """The fluid's step over h/(c0 + u), against what was measured to be stable."""
+    if not of_particles(n):
+        return None
+    value, model = n.water.courant, n.water.model
+    verdict = above(value, COURANT[model], LARGEST_COURANT[model])
+    way_out = "" if verdict == "ok" else "fluid.courant = auto"
+    return Finding("Courant, fluid", value, verdict, f"up to {LARGEST_COURANT[model]:g} was seen to run", way_out)
+
+
+def water_across(scene: Scene, n: Numbers) -> Finding | None:
+    """Particles across the smallest extent of the water."""
+    if not of_particles(n):
+        return None
+    value = n.water.width / n.water.dx
+    verdict = below(value, WATER_ACROSS_WARN)
+    way_out = "" if verdict == "ok" else f"fluid.dx = {n.water.width / 20:.3g} gives 20"
+    return Finding("water across", value, verdict, f"least extent {n.water.width:.3g} m", way_out)
+
+
+def neighbours(scene: Scene, n: Numbers) -> Finding | None:
+    """Smoothing length over spacing: too few neighbours are noise, too many of a spline make pairs."""
+    if not of_particles(n):
+        return None
+    value, kernel = scene.fluid.h_over_dx, scene.fluid.kernel
+    least, most = H_OVER_DX[kernel]
+    most = most if n.water.held else min(most, H_OVER_DX_FALLING)
+    if n.water.waves and n.water.support < LOOSE * n.water.dx:
+        waves = "with so few neighbours a lattice bears waves of its spacing's height: lower by a fifth, at any dx"
+        return Finding("h/dx", value, "warn", waves, "fluid.h_over_dx = 2.0")
+    if least <= value <= most:
+        return Finding("h/dx", value, "ok", kernel)
+    if value < least:
+        return Finding("h/dx", value, "warn", "too few neighbours", "fluid.h_over_dx = 1.3 (quintic-spline: 1.0)")
+    pairs = "particles pair up" if kernel == "quintic-spline" else "falling water gets into walls and gains energy"
+    return Finding("h/dx", value, "warn", pairs, "fluid.h_over_dx = 1.3 (quintic-spline: 1.0)")
+
+
+def viscosity(scene: Scene, n: Numbers) -> Finding | None:
+    """Reynolds number of the flow by its own viscosity, and by the artificial one, ν = α h c0/8: where the artificial
+    one counts beside the fluid's own, or wears a jet out, and where own stresses rest on too few neighbours."""
+    if not of_particles(n) or n.water.rests:
+        return None
+    w, own = n.water, scene.fluid.viscosity
+    artificial = scene.fluid.alpha * w.h * w.sound_speed / 8.0
+    speed = water_speed(scene)
+    if speed == 0.0 or own == artificial == 0.0:
+        return None
+    g = math.hypot(*scene.gravity)
+    speed = min(speed, g * w.width**2 / (8.0 * own)) if own > 0.0 and g > 0.0 else speed
+    value = speed * w.width / max(own, artificial)
+    reason = f"up to {speed:.3g} m/s, {w.width:.3g} m wide, ν = {max(own, artificial):.3g} m²/s"
+    if own > 0.0 and artificial > ARTIFICIAL * own:
+        why = f"{reason}: artificial viscosity, {artificial:.2g} m²/s, counts beside the fluid's own {own:.3g}"
+        return Finding("Reynolds", value, "warn", why, "fluid.alpha = 0")
+    if own > 0.0 and value < CREEPING and w.support < LOOSE * w.dx:
+        why = f"{reason}: viscous stresses of so few neighbours are a tenth too small, at any dx"
+        return Finding("Reynolds", value, "warn", why, "fluid.h_over_dx = 2.0 (1 %), 3.0 (a fraction)")
+    if own == 0.0 and value < WORN_OUT:
+        why = f"{reason}, all of it artificial: the flow loses its energy on a way of some widths"
+        return Finding("Reynolds", value, "warn", why, f"fluid.alpha = {scene.fluid.alpha * value / 500.0:.2g}")
+    return Finding("Reynolds", value, "ok", reason)
+
+
+def falls_out(scene: Scene, n: Numbers) -> Finding | None:
+    """Share of the water's lower faces with nothing below."""
+    if not of_particles(n) or n.water.bottomless == 0.0:
+        return None
+    reason = f"under {100 * n.water.bottomless:.0f} % of the water's lower faces there is nothing: it falls out"
+    return Finding("nothing below", n.water.bottomless, "warn", reason, "a wall below; gravity points where it should?")
+
+
+def start_up(scene: Scene, n: Numbers) -> Finding | None:
+    """Pressure that is missing at the bottom of water at rest, over what it will carry."""
+    if not of_particles(n) or not n.water.rests or not any(scene.gravity):
+        return None
+    if scene.fluid.initial_pressure == "hydrostatic":
+        return Finding("start-up", 0.0, "ok", "the water starts settled")
+    reason = "water at rest starts without its pressure: it falls, and rings between none and twice its weight"
+    return Finding("start-up", 1.0, "warn", reason, "fluid.initial_pressure = hydrostatic")

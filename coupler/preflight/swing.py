@@ -1,0 +1,94 @@
+"""The plate's first swing in its water: how fast it is, and how it comes to rest.
+
+Water that moves along makes the mass m times the plate's own: the frequency falls to f/√m, and solid.damping, which
+holds the plate alone, to η/m. From water too deep for its sound (Helmholtz) nothing comes back in time: the swing is
+the dry one, and each wetted side takes its energy at the rate b = ρ c0/(ρ_s t). The pulse that left the plate as it
+yielded is back from the water's surface after 2 H/c0, and again and again, turned over each time: it moves the plate
+by 2 b/ω² times its deflection, over time.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+from coupler.preflight.finding import PARTICLE_FLUIDS, of_particles
+from coupler.preflight.numbers import Numbers
+from shared.schema import Scene
+
+RADIATES = math.pi / 2.0  # depth in radians of sound: a quarter wave
+ECHO = 1.5  # of what a plate that moves as one would feel of an echo: found up to 1.2
+PULSE = 3.0  # length of an echo, in times of the plate's creep
+
+
+@dataclass(frozen=True)
+class Swing:
+    """`omega` [rad/s] undamped; `damping` η [1/s]; `moved`: mass that swings, over the plate's own; `echo` [s]: what an
+    echo of the start adds to the time integral of the deflection, over the deflection, every time `back` [s]."""
+
+    omega: float
+    damping: float
+    moved: float = 1.0
+    echo: float = 0.0
+    back: float = math.inf
+
+    @property
+    def creep(self) -> float:
+        """Rate [1/s] at which it comes to rest: η/2, or, damped beyond return, η/2 − √(η²/4 − ω²)."""
+        half, omega = 0.5 * self.damping, self.omega
+        # the second as a quotient: the difference of like numbers would be nothing
+        return half if half < omega else omega**2 / (half + math.sqrt(half**2 - omega**2))
+
+    def left(self, time: float) -> float:
+        """Share of it that is left after a `time` [s]."""
+        return math.exp(-self.creep * time)
+
+    def echoed(self, start: float, end: float) -> float:
+        """What echoes leave in a mean over `start` … `end` [s], over the deflection: two take each other away, one that
+        is odd or cut by an end of the interval does not."""
+        if not self.echo:
+            return 0.0
+        (before, cut), (until, late) = divmod(start / self.back, 1.0), divmod(end / self.back, 1.0)
+        wide = PULSE / (self.creep * self.back)
+        odd = (until - before) % 2 or (before and cut < wide) or (until and late < wide)
+        return ECHO * self.echo / (end - start) if odd else 0.0
+
+
+def swing(scene: Scene, n: Numbers) -> Swing | None:
+    """Of the plate in its water; None where no frequency is known, as of a plate that a box of water holds."""
+    plate, joint = n.plate, n.joint
+    if plate is None or plate.frequency is None or (of_particles(n) and n.water.boxed and joint.closes):
+        return None
+    if joint is None or n.water.model == "still" or joint.wet_frequency is None:
+        return Swing(2.0 * math.pi * plate.frequency, plate.damping)
+    if late(scene, n) > RADIATES:
+        omega = 2.0 * math.pi * plate.frequency
+        carried = max(plate.wet, 1) * n.water.density * n.water.sound_speed / (plate.density * plate.thickness)
+        back = 2.0 * joint.depth / n.water.sound_speed
+        return Swing(omega, plate.damping + carried, 1.0, 2.0 * carried / omega**2, back)
+    return Swing(2.0 * math.pi * joint.wet_frequency, plate.damping / joint.moved, joint.moved)
+
+
+def sounding(scene: Scene, n: Numbers) -> float:
+    """Depth of the water in radians of sound at the plate's frequency in incompressible water, 2π f H/c0; 0 where
+    nothing is late, as in a closed column, whose spring is its sound."""
+    closed = scene.fluid is not None and scene.fluid.model == "column" and scene.fluid.column.far_end == "closed"
+    if n.joint is None or n.joint.wet_frequency is None or closed or not carries_sound(scene):
+        return 0.0
+    return 2.0 * math.pi * n.joint.wet_frequency * n.joint.depth / n.water.sound_speed
+
+
+def late(scene: Scene, n: Numbers) -> float:
+    """The same over the way into the water that the swing is felt, which is short where water flows round the plate."""
+    return sounding(scene, n) * n.joint.reach / n.joint.depth if n.joint is not None else 0.0
+
+
+def radiates(scene: Scene, n: Numbers) -> bool:
+    """Whether sound crosses the water too slowly for the plate to feel its mass."""
+    return sounding(scene, n) > RADIATES
+
+
+def carries_sound(scene: Scene) -> bool:
+    """Whether the fluid is compressible."""
+    fluid = scene.fluid
+    return fluid.model in PARTICLE_FLUIDS or (fluid.model == "column" and fluid.column.compressible)

@@ -1,0 +1,1 @@
+"""`coupler stability`: maps of where methods fail. `boundaries` is where to begin."""
