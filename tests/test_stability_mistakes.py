@@ -77,6 +77,16 @@ def test_the_vocabulary_refuses(written, old, new, words):
         load_map(written(old, new))
 
 
+def test_a_case_is_looked_for_beside_its_map(written, tmp_path, monkeypatch):
+    (tmp_path / "own.toml").write_text("", encoding="utf-8")
+    (tmp_path / "else").mkdir()
+    monkeypatch.chdir(tmp_path / "else")
+    assert load_map(written("still_tank", "own.toml")).case == str(tmp_path / "own.toml")
+    assert load_map(written("still_tank", "still_tank")).case == "still_tank"
+    with pytest.raises(BadInput, match=re.escape(f"{tmp_path / 'still_tnk'}: no such file or shipped case; did you")):
+        check_map(load_map(written("still_tank", "still_tnk")))
+
+
 def test_a_file_that_is_no_text_is_refused(tmp_path):
     (tmp_path / "map.toml").write_bytes(b"\xff\xfe")
     with pytest.raises(BadInput, match="cannot be read"):

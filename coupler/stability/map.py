@@ -16,7 +16,7 @@ from pydantic import Field, ValidationError, model_validator
 
 from coupler.stability.theory import THEORIES
 from shared.contract import BadInput
-from shared.scene import read_toml
+from shared.scene import read_toml, shipped_cases
 from shared.scene_errors import show, show_path
 from shared.scene_fields import suggest
 from shared.schema_base import Name, Positive, Table, key
@@ -113,7 +113,7 @@ class StabilityMap(Table):
     schema_version: Literal[1] = key(about="version of this vocabulary: 1", alias="schema")
     title: str = key(about="one line")
     description: str = key("", about="what the map shows")
-    case: str = key(about="scene file, or name of a shipped case")
+    case: str = key(about="scene file, its path relative to the map's, or name of a shipped case")
     criterion: Criterion = key(about="what is looked for")
     theory: str | None = key(None, about="boundary drawn over the runs: " + ", ".join(THEORIES))
     agreement: Positive | None = key(None, about="how near theory's boundary that of the runs should lie, relative")
@@ -147,16 +147,19 @@ def maps_folder() -> Path:
 
 
 def load_map(name: str) -> StabilityMap:
-    """The map of a TOML file or of a shipped map's name. Raises BadInput with every mistake."""
+    """The map of a TOML file or of a shipped map's name, its case beside it. Raises BadInput with every mistake."""
     path = Path(name) if Path(name).is_file() else shipped_maps().get(name)
     if path is None:
         raise BadInput(f"{name}: no such file or shipped map{suggest(name, shipped_maps())}")
     try:
-        return StabilityMap.model_validate(read_toml(path))
+        given = StabilityMap.model_validate(read_toml(path))
     except ValidationError as error:
         lines = [f"  {_sentence(one)}" for one in error.errors()]
         count = "1 mistake" if len(lines) == 1 else f"{len(lines)} mistakes"
         raise BadInput(f"{path}: {count}\n" + "\n".join(lines) + f"\n{VOCABULARY} documents every key") from None
+    beside = path.resolve().parent / given.case
+    named = given.case in shipped_cases() and not beside.is_file()
+    return given if named else given.model_copy(update={"case": str(beside)})
 
 
 def _sentence(mistake: dict[str, Any]) -> str:
