@@ -145,6 +145,10 @@ def _status(error: BaseException | None) -> tuple[str, str]:
     if isinstance(error, KeyboardInterrupt):
         return "interrupted", "interrupted by the user"
     text = str(error) if isinstance(error, (ShearwaterError, OSError)) else f"{type(error).__name__}: {error}"
+    return "lost" if of_the_machine(error) else "failed", text
+
+
+def of_the_machine(error: BaseException) -> bool:
+    """Whether a run ended by its machine, and not by what was computed."""
     # What the system refused a solver comes as words, which hold its number.
-    machine = isinstance(error, (ParticipantLost, OSError, MemoryError)) or _OF_THE_SYSTEM.search(text)
-    return "lost" if machine else "failed", text
+    return isinstance(error, (ParticipantLost, OSError, MemoryError)) or bool(_OF_THE_SYSTEM.search(str(error)))

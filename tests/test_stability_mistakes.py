@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 
 from coupler.stability import boundaries as stability
+from coupler.stability import runs
 from coupler.stability.boundaries import find_boundaries
 from coupler.stability.check import _of_scene, check_map
 from coupler.stability.kept import remembered
@@ -16,7 +17,7 @@ from coupler.stability.map import VOCABULARY, load_map
 from coupler.stability.reference import reference_file, renewed
 from coupler.stability.runs import DIED_OUT, FAILED, growth_of, measure, rise_of
 from coupler.stability.theory import THEORIES
-from shared.contract import BadInput
+from shared.contract import BadInput, SolverFailed
 from shared.scene import load_scene
 
 MAP = """
@@ -194,6 +195,18 @@ def test_what_is_not_finite_is_kept_as_it_is(written, tmp_path):
         scene = stability.cell_scene(given, given.methods[0], 1.3, 0.5)
         remembered(folder / "runs")(lambda scene, criterion, value=value: value, scene, given.criterion)
         assert remembered(folder / "runs")(lambda scene, criterion: 1 / 0, scene, given.criterion) == value
+
+
+def test_what_the_machine_ends_is_no_bad_run(written, tmp_path, monkeypatch):
+    """A full disk made a boundary, and was remembered as one."""
+
+    def no_space(scene):
+        raise SolverFailed("frames cannot be written ([Errno 28] No space left on device)")
+
+    monkeypatch.setattr(runs, "_watch", no_space)
+    with pytest.raises(SolverFailed, match="No space"):
+        find_boundaries(load_map(written("wcsph", "one")), tmp_path / "out", print)
+    assert not (tmp_path / "out" / "runs.jsonl").exists()
 
 
 def test_the_vocabulary_is_documented_as_it_is_and_its_example_holds(tmp_path):

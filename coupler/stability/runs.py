@@ -23,6 +23,7 @@ from coupler.window import make_plan, mass_ratio
 from shared.clock import Clock
 from shared.contract import BadInput, Kinematics, ShearwaterError
 from shared.participant import Participant
+from shared.record import of_the_machine
 from shared.scene import load_scene
 from shared.schema import Scene
 from shared.sides import probe_rows
@@ -63,10 +64,12 @@ def cell_scene(stability: StabilityMap, method: Method, x: float, y: float) -> S
 
 def measure(scene: Scene, criterion: Criterion) -> float:
     """The criterion's measure of a run of `scene`; infinite for a run that ended by a diagnosis, not a number where
-    there was nothing to measure."""
+    there was nothing to measure. Raises ShearwaterError where the machine ended it, which says nothing of the cell."""
     try:
         watched = _watch(scene)
-    except ShearwaterError:
+    except ShearwaterError as error:
+        if of_the_machine(error):
+            raise
         return FAILED
     return MEASURES[criterion.measure](watched, criterion, scene)
 
