@@ -15,10 +15,13 @@ import numpy as np
 
 from fluid_solver.fields import FREE_SLIP, NO_SLIP, STRUCTURE
 from fluid_solver.flows import initial_flow
+from fluid_solver.packing import off_faces, pack
 from fluid_solver.period import period_of, within_period
 from shared.contract import BadInput
 from shared.expected_speed import NO_SPEED, expected_speed
-from shared.geometry import contains, distance_to, fill, ghosts, outline, wall_particles
+from shared.geometry import contains, distance_to, fill, outline, wall_particles
+from shared.geometry import ghosts as body_ghosts
+from shared.kernels import Kernel
 from shared.schema import Scene
 from shared.schema_geometry import Body
 from shared.wall_chains import Chain, Ground, chains, segments_of
@@ -75,34 +78,29 @@ def sound_speed(scene: Scene) -> float:
     return speed / MACH
 
 
-def fluid_particles(scene: Scene, c0: float) -> FluidParticles:
-    """All fluid bodies at t = 0."""
-    fluid = scene.fluid
-    faces = wetted_faces(scene)
-    parts = []
-    for index, body in enumerate(fluid.bodies):
-        lattice = fill(body, fluid.dx)
-        n = len(lattice.position)
-        if n == 0:
+def fluid_particles(scene: Scene, c0: float, ghosts: Ghosts, kernel: Kernel, h: float) -> FluidParticles:
+    """All fluid bodies at t = 0, among the `ghosts`."""
+    fluid, faces = scene.fluid, wetted_faces(scene)
+    lattices = [fill(body, fluid.dx) for body in fluid.bodies]
+    for body, lattice in zip(fluid.bodies, lattices, strict=True):
+        if len(lattice.position) == 0:
             raise BadInput(f"fluid body {body.name!r} holds no particle at fluid.dx = {fluid.dx:g} m: make dx smaller.")
-        position = shaken(lattice.position, fluid.shake * fluid.dx)
-        position, pressure = off_faces(position, faces, CLEAR * fluid.dx), np.zeros(n)
+    position = np.concatenate([shaken(lattice.position, fluid.shake * fluid.dx) for lattice in lattices])
+    volume = np.concatenate([lattice.volume for lattice in lattices])
+    position = off_faces(position, faces, CLEAR * fluid.dx)
+    if fluid.shake == 0.0:
+        position = pack(position, volume, (ghosts.position, ghosts.volume), faces, kernel, h, fluid.dx)
+    gravity = np.where(np.diff(period_of(scene))[:, 0] > 0.0, 0.0, scene.gravity)
+    parts, ends = [], np.cumsum([len(lattice.position) for lattice in lattices])
+    for index, (body, here) in enumerate(zip(fluid.bodies, np.split(position, ends[:-1]), strict=True)):
+        pressure = np.zeros(len(here))
         if fluid.initial_pressure == "hydrostatic":
-            gravity = np.where(np.diff(period_of(scene))[:, 0] > 0.0, 0.0, scene.gravity)
-            position, pressure = settle(body, position, gravity, c0, fluid.density)
-        velocity, dynamic = initial_flow(body, position, fluid.density)
+            here, pressure = settle(body, here, gravity, c0, fluid.density)
+        velocity, dynamic = initial_flow(body, here, fluid.density)
         pressure = pressure + dynamic
-        parts.append(
-            (
-                position,
-                velocity,
-                pressure,
-                fluid.density + pressure / c0**2,
-                fluid.density * lattice.volume,
-                np.full(n, index),
-            )
-        )
-    return FluidParticles(*(np.concatenate(column) for column in zip(*parts, strict=True)))
+        parts.append((here, velocity, pressure, fluid.density + pressure / c0**2, np.full(len(here), index)))
+    position, velocity, pressure, density, owner = (np.concatenate(column) for column in zip(*parts, strict=True))
+    return FluidParticles(position, velocity, pressure, density, fluid.density * volume, owner)
 
 
 def shaken(position: np.ndarray, size: float) -> np.ndarray:
@@ -115,22 +113,6 @@ def wetted_faces(scene: Scene) -> np.ndarray:
     walls = [segments_of(wall) for wall in scene.walls]
     bodies = [outline(body)[:, ::-1] for body in (scene.solid.bodies if scene.solid else [])]
     return np.concatenate([*walls, *bodies, np.empty((0, 2, 2))])
-
-
-def off_faces(position: np.ndarray, faces: np.ndarray, clearance: float) -> np.ndarray:
-    """`position` (n, 2) with the points nearer than `clearance` [m] to a face moved to that distance before it.
-
-    Faces along the lattice stand half a spacing off; a slanted face cuts the lattice anywhere.
-    """
-    position = position.copy()
-    for start, end in faces:
-        length = math.hypot(*(end - start))
-        along = (end - start) / length
-        normal = np.array([-along[1], along[0]])
-        s, d = (position - start) @ along, (position - start) @ normal
-        near = (np.abs(d) < clearance) & (s > 0.0) & (s < length)
-        position[near] += (clearance - d[near])[:, None] * normal
-    return position
 
 
 def settle(body: Body, position: np.ndarray, gravity: np.ndarray, c0: float, rho0: float):
@@ -166,7 +148,7 @@ def lay_ghosts(scene: Scene, support: float) -> Ghosts:
         parts.append(_part(position, layers.volume[keep], kind, index, wall_foot(faces[index], position)))
     for index, body in enumerate(bodies):
         dry = [clamp.face for clamp in scene.solid.clamps if clamp.body == body.name]
-        inside = ghosts(body, dx, support, dry)
+        inside = body_ghosts(body, dx, support, dry)
         keep = within_period(scene, inside.position)
         position = inside.position[keep]
         parts.append(_part(position, inside.volume[keep], STRUCTURE, index, position))

@@ -68,8 +68,8 @@ class ParticleFluid:
         self._forces = make_forces(kernel.code, viscous, self._transported)
         self._ghost_velocity = make_ghost_velocity(kernel.code, viscous)
         self._ghost_sweep = make_ghosts(kernel.code, viscous)
-        water = fluid_particles(scene, self.c.c0)
         self.ghosts = lay_ghosts(scene, self.c.support)
+        water = fluid_particles(scene, self.c.c0, self.ghosts, kernel, self.c.h)
         self.fluid_count = len(water.position)
         self._first = self.fluid_count  # id of the first ghost
         self._walls = self.ghosts.walls

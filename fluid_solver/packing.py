@@ -1,0 +1,112 @@
+"""Fluid laid on a lattice that a slanted face cuts, packed until its particles fill their supports evenly
+(Colagrossi, Bouscasse, Antuono, Marrone 2012).
+
+As it was laid, some of it stands a quarter of a spacing off the face and some three quarters. Where particles are not
+evenly spread, the pressure force is not that of the pressure alone, and water at rest is stirred for good: over a ridge
+its mean pressure was a fifth too high (wcsph; packed 3 % low), and with h = 2 dx some of it went into the wall.
+Positions alone move, by −∇C, C = Σ V W over fluid and ghosts; what is near a free surface, or a lattice that fits its
+faces, stays.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from scipy.spatial import cKDTree
+
+from shared.geometry import distance_to
+from shared.kernels import Kernel, evaluate
+
+REACH = 2.0  # supports: how far from a slanted face fluid is packed
+CLEAR = 0.4  # of dx: nearest to a face
+_SURFACE = 0.85  # C below which a particle is at a free surface
+_SWEEPS, _LISTED = 200, 5  # at most; of so many each, neighbours are searched once
+_PART, _LONGEST = 0.12, 0.1  # of h² ∇C, and of dx: a sweep's way
+_EVEN = 0.01  # |h ∇C| of all, below which they are
+
+
+def slanted(faces: np.ndarray) -> np.ndarray:
+    """Those of the `faces` (k, 2, 2) that lie along neither axis."""
+    along = np.abs(faces[:, 1] - faces[:, 0])
+    return faces[along.min(axis=1) > 1e-9 * along.max(axis=1)]
+
+
+def pack(
+    position: np.ndarray,
+    volume: np.ndarray,
+    ghosts: tuple[np.ndarray, np.ndarray],
+    faces: np.ndarray,
+    kernel: Kernel,
+    h: float,
+    dx: float,
+) -> np.ndarray:
+    """`position` (n, 2) [m] of fluid particles of `volume` (n,) [m²], packed near the slanted ones of `faces`.
+
+    `faces` (k, 2, 2) have the fluid on the left of start → end; `ghosts`: position (m, 2) and volume (m,) of theirs.
+    """
+    position, cut, support = position.copy(), slanted(faces), kernel.support * h
+    if len(cut) == 0 or len(position) == 0:
+        return position
+    far = distance_to(cut, position)
+    near = np.flatnonzero(far < (REACH + 2.0) * support)
+    still = distance_to(cut, ghosts[0]) < (REACH + 2.0) * support
+    points = np.concatenate([position[near], ghosts[0][still]])
+    volumes = np.concatenate([volume[near], ghosts[1][still]])
+    n, far = len(near), far[near]
+    free = _near_surface(points, volumes, far < (REACH + 1.0) * support, kernel, h)
+    moves = np.flatnonzero((far < REACH * support) & ~free)
+    margin = 2.0 * _LISTED * _LONGEST * dx
+    for sweep in range(_SWEEPS if len(moves) else 0):
+        if sweep % _LISTED == 0:
+            pairs = cKDTree(points).query_pairs(support + margin, output_type="ndarray")
+        gradient = _gradient(points, volumes, pairs, kernel, h)[moves]
+        size = np.hypot(*gradient.T)
+        if h * size.max() < _EVEN:
+            break
+        way = np.minimum(_PART * h**2, _LONGEST * dx / np.maximum(size, 1e-300))
+        points[moves] = off_faces(points[moves] - way[:, None] * gradient, faces, CLEAR * dx)
+    position[near] = points[:n]
+    return position
+
+
+def _near_surface(points, volumes, asked: np.ndarray, kernel: Kernel, h: float) -> np.ndarray:
+    """Which of the fluid, that comes first in `points`, has a particle of a free surface within the support, or is one;
+    those not `asked` (n,) are none."""
+    pairs = cKDTree(points).query_pairs(kernel.support * h, output_type="ndarray")
+    w, _ = evaluate(kernel, np.hypot(*(points[pairs[:, 0]] - points[pairs[:, 1]]).T), h)
+    filled = evaluate(kernel, np.zeros(1), h)[0] * volumes
+    for a, b in (pairs.T, pairs.T[::-1]):
+        filled += np.bincount(a, w * volumes[b], len(points))
+    surface = np.zeros(len(points), dtype=bool)
+    surface[: len(asked)] = asked & (filled[: len(asked)] < _SURFACE)
+    beside = surface.copy()
+    for a, b in (pairs.T, pairs.T[::-1]):
+        beside[a[surface[b]]] = True
+    return beside[: len(asked)]
+
+
+def _gradient(points: np.ndarray, volumes: np.ndarray, pairs: np.ndarray, kernel: Kernel, h: float) -> np.ndarray:
+    """∇C [1/m] at all points."""
+    a, b = pairs.T
+    arm = points[a] - points[b]
+    _, f = evaluate(kernel, np.hypot(*arm.T), h)
+    found = np.empty_like(points)
+    for axis in range(2):
+        pull = f * arm[:, axis]
+        found[:, axis] = np.bincount(a, pull * volumes[b], len(points)) - np.bincount(b, pull * volumes[a], len(points))
+    return found
+
+
+def off_faces(position: np.ndarray, faces: np.ndarray, clearance: float) -> np.ndarray:
+    """`position` (n, 2) with the points nearer than `clearance` [m] to a face moved to that distance before it.
+
+    Faces along the lattice stand half a spacing off; a slanted face cuts the lattice anywhere.
+    """
+    position = position.copy()
+    for start, end in faces:
+        length = float(np.hypot(*(end - start)))
+        along = (end - start) / length
+        normal = np.array([-along[1], along[0]])
+        s, d = (position - start) @ along, (position - start) @ normal
+        near = (np.abs(d) < clearance) & (s > 0.0) & (s < length)
+        position[near] += (clearance - d[near])[:, None] * normal
+    return position

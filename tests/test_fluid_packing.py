@@ -1,0 +1,69 @@
+"""Fluid on a lattice that slanted faces cut: packed before the start, so that water at rest is not stirred."""
+
+import numpy as np
+import pytest
+from scipy.spatial import cKDTree
+
+from fluid_solver import initial
+from fluid_solver.initial import fluid_particles, lay_ghosts, wetted_faces
+from fluid_solver.packing import CLEAR, slanted
+from shared.geometry import distance_to
+from shared.kernels import kernel_named
+from tests.test_fluid_model import begun, run, scene
+
+DX = 0.025
+KERNEL = kernel_named("wendland-c2")
+RIDGE = [(0.3, 0.0), (0.45, 0.15), (0.6, 0.0)]
+TANK = [(0.0, 0.6), (0.0, 0.0), *RIDGE, (0.9, 0.0), (0.9, 0.6)]
+
+
+def over_a_ridge(h_over_dx=2.0, model="wcsph"):
+    """0.3 m of water in a tank whose floor has a ridge of half that height."""
+    water = {"name": "water", "polygon": [(0.0, 0.0), *RIDGE, (0.9, 0.0), (0.9, 0.3), (0.0, 0.3)]}
+    probes = [{"name": "p", "quantity": "pressure", "point": (0.45, 0.18)}]
+    walls = [{"name": "tank", "polyline": TANK}]
+    return scene([water], walls=walls, probes=probes, dx=DX, h_over_dx=h_over_dx, model=model)
+
+
+def laid(case):
+    """Fluid and ghosts of a scene at t = 0."""
+    h = case.fluid.h_over_dx * case.fluid.dx
+    ghosts = lay_ghosts(case, KERNEL.support * h)
+    return fluid_particles(case, 20.0, ghosts, KERNEL, h), ghosts
+
+
+def test_particles_stand_evenly_off_a_slope(monkeypatch):
+    case = over_a_ridge(1.3)
+    packed, ghosts = laid(case)
+    monkeypatch.setattr(initial, "pack", lambda position, *_: position)
+    lattice, _ = laid(case)
+    slopes = slanted(wetted_faces(case))
+    assert len(slopes) == 2
+    gaps = [distance_to(slopes, one.position).min() / DX for one in (lattice, packed)]
+    assert gaps[0] < 0.3
+    assert gaps[1] > CLEAR - 0.05  # settled, it stands a little lower
+    apart = [
+        cKDTree(np.concatenate([one.position, ghosts.position])).query(one.position, 2)[0][:, 1].min() / DX
+        for one in (lattice, packed)
+    ]
+    assert apart[1] > max(0.7, apart[0])
+    moved = np.hypot(*(packed.position - lattice.position).T) > 1e-3 * DX
+    assert not moved[lattice.position[:, 1] > 0.3 - DX].any()  # the surface
+    assert distance_to(slopes, lattice.position[moved]).max() < 2.0 * 2.0 * 1.3 * DX
+    assert np.array_equal(packed.mass, lattice.mass)
+
+
+def test_a_lattice_that_fits_its_faces_stays():
+    case = scene([{"name": "water", "rectangle": (0.0, 0.0, 0.2, 0.1)}], dx=0.01)
+    assert len(slanted(wetted_faces(case))) == 0
+
+
+@pytest.mark.parametrize("h_over_dx", [1.3, 2.0])
+def test_water_at_rest_over_a_ridge_stays_at_rest(h_over_dx):
+    """As the lattice lies, it is stirred and its mean pressure a fifth too high."""
+    model = begun(over_a_ridge(h_over_dx))
+    pressures = []
+    for k in range(20):
+        run(model, 0.05, 1, 0.05 * k)
+        pressures.append(model.probe_values()["p"])
+    assert np.mean(pressures[5:]) == pytest.approx(1000.0 * 9.81 * 0.12, rel=0.05)
