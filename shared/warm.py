@@ -26,6 +26,7 @@ from shared.schema import Scene
 from shared.sides import own_probes
 
 _TINY_STEPS = 2
+_PLACE = str(Path(__file__).resolve().parent)  # numba keeps what it compiles of the same sources elsewhere apart
 _ROOM = 1 << 22  # bytes, what the kernels of a scene need
 _FULL = (errno.ENOSPC, errno.EDQUOT, errno.EFBIG)  # disk, quota, limit of the shell
 _SWEEPING = ("wcsph", "ctvf")  # fluid models with `compile_sweeps`
@@ -36,7 +37,8 @@ _PRESENCE = ("viscosity", "alpha", "damping", "loads", "spring", "motion")  # ke
 def stamp(scene: Scene, side: str) -> Path:
     """File that says that the kernels of this side of such a scene are in the cache."""
     part = getattr(scene, side)
-    choice = [side, *(getattr(part, key, None) for key in _FLAGS), *(bool(getattr(part, k, 0)) for k in _PRESENCE)]
+    choice = [_PLACE, side, *(getattr(part, key, None) for key in _FLAGS)]
+    choice += [bool(getattr(part, key, 0)) for key in _PRESENCE]
     choice += sorted({(wall.slip, wall.motion is not None) for wall in scene.walls})
     choice += sorted({probe.quantity for probe in own_probes(scene, side).probes})
     name = hashlib.sha256(repr(choice).encode()).hexdigest()[:16]
