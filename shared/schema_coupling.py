@@ -78,7 +78,7 @@ class Coupling(Table):
         "force",
         about=(
             "force: the structure takes the fluid's forces on the ghosts, action and reaction exactly; pressure: it "
-            "integrates the ghosts' pressures over its own faces"
+            "integrates the ghosts' pressures over its own faces, for a body with water on one side"
         ),
     )
     limits: Limits = key(Limits(), about="limits of the ledger")

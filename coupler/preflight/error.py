@@ -23,6 +23,10 @@ worst found; dx spacing of the fluid. The structure's part, and what its swing a
                        along gravity, else over its thickness                                     floating rafts
     a body that swings in water of particles 1.5 dx/d (wcsph), 0.5 dx/d (ctvf), d its thickness if that is less; the
                        depth where it spans the water, which then moves as it does                a sprung floor
+    pressures over faces (coupling.loads = pressure) besides: 1.2 dx/H of particles, whose ghosts stand half a spacing
+                       and more behind the face; no bound of a body with water on two sides, whose net is a small
+                       difference of them; of water at rest 2 dx²/(L t) of such a body, dx its own, for a corner's point
+                       serves two faces          a floor under 20 cm; a sprung block under water: 46 to 500 % off
     water that flows   coupler/preflight/error_flow.py
 """
 
@@ -61,6 +65,7 @@ CROWD, CROWDED = 2.0, 0.1  # from this h/dx on a lattice of particles bears hard
 SAG = 0.05  # of dx: what a lattice that bears shear takes off a level
 SENSOR = 0.09  # of a sensor's reach by (1 − depth/reach)²: what it feels too much where it reaches out of the water
 WATERLINE = 0.4  # of dx
+FACES, BEHIND, CORNERS = "pressures over faces", 1.2, 2.0
 
 
 def error_parts(scene: Scene, n: Numbers) -> Parts:
@@ -73,6 +78,8 @@ def error_parts(scene: Scene, n: Numbers) -> Parts:
     if n.water is not None:
         away = of_particles(n) and n.water.bottomless > 0.0
         parts[f"fluid {scene.fluid.model}"] = UNKNOWN if away else _fluid(scene, n)
+    if over_faces := _over_faces(scene, n):
+        parts[FACES] = over_faces
     error = sum(parts.values())
     swings = {SWING: swing_in_a_mean(scene, n), PHASE: swing_at_the_end(scene, n, error)}
     swings[RESONANCE] = resonance(scene, n, error) if scene.solid is not None else 0.0
@@ -125,6 +132,17 @@ def _at_rest(scene: Scene, n: Numbers, floats: bool) -> float:
         error += 2.0 * math.hypot(*scene.gravity) * water.height / (3.0 * water.sound_speed**2)
     error += 0.0 if steady else _sounding(scene, n)
     return error + (_waterline(scene, n, probe) if floats else 0.0)
+
+
+def _over_faces(scene: Scene, n: Numbers) -> float:
+    """What pressures that a structure integrates over its faces add to what it does; 0 where it takes forces."""
+    if n.joint is None or scene.coupling.loads != "pressure" or not of_a_body(scene):
+        return 0.0
+    plate, round_it = n.plate, n.plate.wet >= 2 or afloat(scene, n.plate)
+    if of_particles(n):
+        return UNKNOWN if round_it else BEHIND * n.water.dx / n.water.height
+    area = plate.length * plate.thickness
+    return CORNERS * scene.solid.dx**2 / area * _left_of_weight(scene, n) if round_it else 0.0
 
 
 def _across(scene: Scene, probe: Probe) -> bool:

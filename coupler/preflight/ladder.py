@@ -12,7 +12,7 @@ from typing import Literal, get_args
 
 from coupler.preflight.afloat import afloat
 from coupler.preflight.cost import Cost, predicted_cost
-from coupler.preflight.error import Parts, error_parts
+from coupler.preflight.error import FACES, Parts, error_parts
 from coupler.preflight.error_flow import MOTIONS
 from coupler.preflight.error_solid import PHASE, SWING, not_bounded
 from coupler.preflight.finding import PARTICLE_FLUIDS, STEADY
@@ -170,6 +170,8 @@ def _judged(scene: Scene, fluid: str | None, solid: str | None, sets: tuple[str,
 def _unable(scene: Scene, n: Numbers, worst: str) -> str:
     """Why a pair has no bound at all."""
     what = scene.goal.statistic
+    if worst == FACES:
+        return "a body with water round it integrates pressures whose net is a small difference; coupling.loads = force"
     if n.water is not None and worst.startswith("fluid"):
         if n.water.model in PARTICLE_FLUIDS and n.water.bottomless > 0.0:
             return "the water falls away: under some of it there is nothing"

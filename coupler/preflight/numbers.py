@@ -22,6 +22,9 @@ from shared.schema import Scene
 from shared.schema_geometry import Body
 
 MODE_SHARE = {1: 0.613, 2: 0.690}  # (∫φ)²/(L ∫φ²) of the first mode: share of a column's mass that moves with it
+ROUND = 1.5
+"""Added mass of a rectangle in wide water over that of the disc across it: 1 of a strip, 1.36 twice as wide as thick,
+1.51 of a square (Newman, Marine Hydrodynamics); half at a surface."""
 _SPANS = 0.9  # of the water's width: a plate this long moves the whole column
 
 
@@ -72,9 +75,13 @@ def _joint(scene: Scene, water: Water, plate: Plate) -> Joint:
         added = water.density * layer * max(plate.wet, 1)
         moved += added / (plate.density * plate.thickness)
         wet_frequency = plate.frequency / math.sqrt(moved)
-    elif plate.frequency is not None and plate.model == "spring" and plate.wet and _in_column(water, plate, closing):
-        moved, stiffer = _sprung_in_column(scene, water, plate, depth)
-        wet_frequency = plate.frequency * math.sqrt(stiffer / moved)
+    elif plate.frequency is not None and plate.model == "spring" and plate.wet:
+        if _in_column(water, plate, closing):
+            moved, stiffer = _sprung_in_column(scene, water, plate, depth)
+            wet_frequency = plate.frequency * math.sqrt(stiffer / moved)
+        else:  # water flows round it
+            disc = 0.25 * math.pi * plate.length**2 * min(0.5 * plate.wet, 1.0)
+            moved += ROUND * water.density * disc / (plate.density * plate.thickness * plate.length)
     ratio = water.density * depth / (plate.density * plate.thinnest)
     return Joint(ratio, depth, reach, moved, wet_frequency, bool(closing))
 

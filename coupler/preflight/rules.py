@@ -11,6 +11,7 @@ from coupler.preflight.finding import Finding, Rule
 from coupler.preflight.numbers import Numbers
 from coupler.preflight.rules_joint import (
     density_ratio,
+    face_pressures,
     ghost_acceleration,
     helmholtz,
     mass_ratio,
@@ -53,6 +54,7 @@ RULES: tuple[Rule, ...] = (
     window_number,
     across,
     support,
+    face_pressures,
     ghost_acceleration,
     step_ratio,
     courant_fluid,

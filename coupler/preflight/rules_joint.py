@@ -117,6 +117,17 @@ def support(scene: Scene, n: Numbers) -> Finding | None:
     return Finding("thickness/support", value, verdict, f"{reason}: water sees water through it", way_out)
 
 
+def face_pressures(scene: Scene, n: Numbers) -> Finding | None:
+    """Sides with water of a structure that integrates pressures of particles over its faces."""
+    if n.joint is None or not of_particles(n) or scene.coupling.loads != "pressure" or n.plate.model == "rigid":
+        return None
+    value = float(n.plate.wet)
+    if value < 2.0:
+        return Finding("face pressures", value, "ok", "sides with water: pressures are integrated over one")
+    reason = "sides with water: the net of pressures beside particles is a small difference, and may be nothing like it"
+    return Finding("face pressures", value, "warn", reason, "coupling.loads = force")
+
+
 def ghost_acceleration(scene: Scene, n: Numbers) -> Finding | None:
     """ρ_f dx/(ρ_s t): mass of the water between particles and face over the structure's own."""
     if n.joint is None or not of_particles(n) or n.plate.model == "rigid" or not scene.fluid.structure_acceleration:

@@ -59,8 +59,10 @@ def swing(scene: Scene, n: Numbers) -> Swing | None:
     plate, joint = n.plate, n.joint
     if plate is None or plate.frequency is None or (of_particles(n) and n.water.boxed and joint.closes):
         return None
-    if joint is None or n.water.model == "still" or joint.wet_frequency is None:
+    if joint is None or n.water.model == "still":
         return Swing(2.0 * math.pi * plate.frequency, plate.damping)
+    if joint.wet_frequency is None:  # no sound in it: a sprung body that water flows round
+        return Swing(2.0 * math.pi * plate.frequency / math.sqrt(joint.moved), plate.damping / joint.moved, joint.moved)
     if late(scene, n) > RADIATES:
         omega = 2.0 * math.pi * plate.frequency
         carried = max(plate.wet, 1) * n.water.density * n.water.sound_speed / (plate.density * plate.thickness)
