@@ -144,21 +144,39 @@ class Checkpoints:
 
 
 def newest(run_dir: Path) -> Checkpoint:
-    """The newest complete checkpoint of a run. Raises BadInput if there is none."""
+    """The newest complete checkpoint of a run that its tables reach, or else the newest: what lacks is told of when
+    they are read. Raises BadInput if there is none."""
     damaged: list[str] = []
+    unreached: Checkpoint | None = None
     for folder in sorted((Path(run_dir) / FOLDER).glob("window-*"), reverse=True):
         if not (folder / _MANIFEST).exists():
             continue  # begun, and never sealed
         if not (spoiled := _spoiled(folder)):
             manifest = json.loads((folder / _MANIFEST).read_text())
-            return Checkpoint(folder, manifest["window"], manifest["t"], manifest["notes"], tuple(damaged))
+            one = Checkpoint(folder, manifest["window"], manifest["t"], manifest["notes"], tuple(damaged))
+            if not (short := _cut_short(Path(run_dir), one)):
+                return one
+            unreached = unreached or one
+            damaged.append(f"{folder} is newer than the end of {', '.join(short)}")
+            continue
         damaged.append(f"{folder} is damaged ({', '.join(spoiled)})")
+    if unreached is not None:
+        return unreached
     if damaged:
         raise BadInput(f"No checkpoint of {run_dir} can be gone on from: {'; '.join(damaged)}. {AGAIN}")
     raise BadInput(
         f"{run_dir} holds no complete checkpoint to go on from: it is not the directory of a run, or its run was over "
         f"before the first one. {AGAIN}"
     )
+
+
+def _cut_short(run_dir: Path, last: Checkpoint) -> list[str]:
+    """Tables of a run that hold less than they did at the checkpoint `last`; those that are gone are told of later."""
+    rows = {"probes.csv": last.notes.get("probe_rows", 0)}
+    if len(last.notes.get("threads", ())) > 1:  # of two sides
+        rows["ledger.csv"] = last.window
+    there = {name: count for name, count in rows.items() if (run_dir / name).is_file()}
+    return [name for name, count in there.items() if (run_dir / name).read_bytes().count(b"\n") < 1 + count]
 
 
 def _spoiled(folder: Path) -> list[str]:

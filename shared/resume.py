@@ -63,7 +63,8 @@ def _found(run_dir: Path) -> tuple[Scene, Checkpoint]:
             f"back and resume, or run it from the start: coupler run {shlex.quote(str(case))} --out DIR"
         )
     if other := other_environment(last):
-        print(f"warning: results may differ in the last bits: {'; '.join(other)}", file=sys.stderr)
+        much = "" if any(one.startswith("sources ") for one in other) else " in the last bits"
+        print(f"warning: results may differ{much}: {'; '.join(other)}", file=sys.stderr)
     for path in (run_dir / f"{side}.vtkhdf" for side in last.notes["threads"]):
         if path.exists():
             check_frames(path)

@@ -338,3 +338,25 @@ def test_an_older_checkpoint_is_taken_with_a_word(cut, capsys):
     with_old.last.part("run").unlink()
     with pytest.raises(BadInput, match=r"fluid\.h5\); .* is damaged \(run\.h5\)\. Start it again with .*--out DIR"):
         unfinished(cut)
+
+
+@pytest.mark.parametrize("name", ["probes.csv", "ledger.csv"])
+def test_a_table_cut_short_is_gone_on_with_from_an_older_checkpoint(cut, capsys, name):
+    (cut / "result.json").write_text("[]")
+    new = unfinished(cut).last
+    table = cut / name
+    lines = table.read_text().splitlines(keepends=True)
+    table.write_text("".join(lines[: {"probes.csv": new.notes["probe_rows"], "ledger.csv": new.window}[name]]))
+    old = unfinished(cut).last
+    assert old.window < new.window
+    words = f"window-{new.window:010d} is newer than the end of {name}: an older one is taken, t = {old.time:.4g} s"
+    assert words in capsys.readouterr().err
+    table.write_text(lines[0])
+    assert unfinished(cut).last.window == new.window, "whose lack is told of where the table is read"
+
+
+def test_other_sources_differ_in_more_than_the_last_bits(cut, capsys, monkeypatch):
+    (cut / "result.json").write_text("[]")
+    monkeypatch.setattr("shared.results._sources", lambda: "other")
+    unfinished(cut)
+    assert "warning: results may differ: sources " in capsys.readouterr().err
