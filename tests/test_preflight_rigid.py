@@ -144,7 +144,7 @@ def test_a_sprung_body_under_water_swings_with_the_water_round_it(tmp_path):
 
 
 def test_pressures_over_the_faces_of_a_body_under_water_have_no_bound(tmp_path):
-    """Found: 95 % off with particles, whose net force is within a few; 4.2 % in water at rest, by corners."""
+    """Found: 95 % off with wcsph, whose net force is within a few; 4.2 % in water at rest, by corners."""
     found = bounds(scene_of(BLOCK.replace("LOADS", "pressure"), tmp_path))
     assert found["wcsph + spring"] == found["ctvf + spring"] == math.inf
     assert 0.042 < found["still + spring"] < 4 * 0.042
