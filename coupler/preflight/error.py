@@ -26,7 +26,7 @@ worst found; dx spacing of the fluid. The structure's part, and what its swing a
     pressures over faces (coupling.loads = pressure) besides: 1.2 dx/H of particles, whose ghosts stand half a spacing
                        and more behind the face; no bound of a body with water on two sides, whose net is a small
                        difference of them; of water at rest 2 dx²/(L t) of such a body, dx its own, for a corner's point
-                       serves two faces      a floor under 20 cm; the buoyancy of a block: wcsph 46 to 530 % off, ctvf 19
+                       serves two faces     a floor under 20 cm; the buoyancy of a block: wcsph 46 to 530 % off, ctvf 19
     water that flows   coupler/preflight/error_flow.py
 """
 
