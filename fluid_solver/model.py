@@ -9,7 +9,6 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping
 
-import numba
 import numpy as np
 
 from fluid_solver import diagnosis
@@ -44,6 +43,7 @@ from fluid_solver.thin import refuse_thin
 from fluid_solver.walls import make_ghost_velocity, make_ghosts
 from shared.contract import Description, Frame, Kinematics, Loads
 from shared.fluid_step import fluid_step
+from shared.jit import use_threads
 from shared.kernels import kernel_named
 from shared.schema import Scene
 
@@ -121,7 +121,7 @@ class ParticleFluid:
 
     def begin(self, motion: Kinematics | None) -> Loads:
         """Ghosts in place, first sort, pressures of ghosts and accelerations at t = 0."""
-        numba.set_num_threads(self._threads)
+        use_threads(self._threads)
         self._motion.start(motion)
         self._place(0.0, 0.0, 1.0, motion, always=True)
         store = self.store
@@ -157,7 +157,7 @@ class ParticleFluid:
 
     def reach(self, t0: float, t1: float, substeps: int, boundary: Kinematics | None) -> Loads:
         """As `advance`, but for the fluid's own last acceleration, for which its partner need not wait."""
-        numba.set_num_threads(self._threads)
+        use_threads(self._threads)
         dt = (t1 - t0) / substeps
         mean = self._mean_force
         mean[...] = 0.0
@@ -175,7 +175,7 @@ class ParticleFluid:
 
     def settle(self) -> None:
         """What `reach` has left."""
-        numba.set_num_threads(self._threads)
+        use_threads(self._threads)
         self._accelerate(self._unsettled)
 
     def _drift(self, dt: float, t0: float, since: float, length: float, boundary: Kinematics | None) -> None:

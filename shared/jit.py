@@ -91,6 +91,12 @@ vectorises, and so that a process that compiles runs the same instructions as on
 with a symbol of its own is bound to another copy then, and copies differ in their rounding)."""
 
 
+def use_threads(count: int) -> None:
+    """Parallel loops run on `count` threads from now on, or on as many as this process has cores for: the result is the
+    same, and a run may go on where there are fewer."""
+    numba.set_num_threads(min(count, numba.config.NUMBA_NUM_THREADS))
+
+
 @intrinsic
 def one_more(typing, counts, k):
     """counts[k] += 1, at once for all threads; returns what it was."""

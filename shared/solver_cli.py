@@ -46,7 +46,7 @@ def solver_app(side: str, factory: Factory) -> typer.Typer:
         case: Case,
         out: Out = None,
         sets: Sets = None,
-        threads: Annotated[int, typer.Option(help="Threads.", min=1)] = default_threads(),
+        threads: Annotated[int, typer.Option(help="Threads, at most one for each core.", min=1)] = default_threads(),
         replay: Annotated[
             Path | None,
             typer.Option(help="Directory of a coupled run, recorded with output.exchange: its partner is played."),

@@ -13,10 +13,10 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping
 
-import numba
 import numpy as np
 
 from shared.contract import Description, Exchange, Frame, Kinematics, Loads, SolverFailed
+from shared.jit import use_threads
 from shared.schema import Scene
 from solid_solver.bodies import lattice_bodies, nearest_gap
 from solid_solver.carried import Carried
@@ -52,7 +52,7 @@ class TotalLagrangian:
         self._ramped = np.array(ramped).reshape(-1, *self._lattice.u.shape)
         self._probes = solid_probes(scene, self._bodies)
         self._time, self._steps = 0.0, 0
-        numba.set_num_threads(self._threads)
+        use_threads(self._threads)
         self._reference_step = self._lattice.linear_step()
         owner = np.repeat(np.arange(len(self._bodies)), [len(b.position) for b in self._bodies])
         self._books = WorkBook(wants_work(scene), owner, self._mass, len(self._bodies))
@@ -75,7 +75,7 @@ class TotalLagrangian:
         return self._reference_step / math.sqrt(0.5 * (3.0 * self._largest_stretch_squared - 1.0))
 
     def advance(self, t0: float, t1: float, substeps: int, boundary: Exchange | None) -> Kinematics:
-        numba.set_num_threads(self._threads)
+        use_threads(self._threads)
         dt = (t1 - t0) / substeps
         start = self._position + self._lattice.displacement, self._lattice.velocity
         if self._carried is not None:

@@ -9,10 +9,10 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping
 
-import numba
 import numpy as np
 
 from shared.contract import Description, Exchange, Frame, Kinematics, Loads, SolverFailed
+from shared.jit import use_threads
 from shared.schema import Scene
 from shared.solid_step import UPDATED_COURANT, lame, wave_speed
 from solid_solver.bodies import nearest_gap
@@ -56,7 +56,7 @@ class UpdatedLagrangian:
         self._carried = Carried(solid.motion, self._rows(X)) if solid.motion else None
         if self._carried is not None:
             self._to(*self._carried.at(0.0)[:2])
-        numba.set_num_threads(self._threads)
+        use_threads(self._threads)
         viscosity = solid.alpha * self._s.h * math.sqrt(self._moduli()[1])
         self._stepper = Stepper(self._s, solid.shifting, viscosity, self._moduli())
         reach = _BESIDE * float(self._s.spacing[self._slot].max())
@@ -81,7 +81,7 @@ class UpdatedLagrangian:
         return courant * closest * float(self._s.spacing[self._slot].min()) / wave_speed(solid)
 
     def advance(self, t0: float, t1: float, substeps: int, boundary: Exchange | None) -> Kinematics:
-        numba.set_num_threads(self._threads)
+        use_threads(self._threads)
         dt = (t1 - t0) / substeps
         before = self._tracers()
         force = boundary.force / self._mass[:, None] if isinstance(boundary, Loads) else None

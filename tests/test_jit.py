@@ -5,9 +5,10 @@ from __future__ import annotations
 import shutil
 from pathlib import Path
 
+import numba
 import pytest
 
-from shared.jit import source_digest
+from shared.jit import source_digest, use_threads
 
 ROOT = Path(__file__).resolve().parent.parent
 
@@ -35,3 +36,8 @@ def test_an_edit_renews_the_cache_where_it_matters(sources, file, renewed):
     path = sources / file
     path.write_text(path.read_text() + "\nMORE = 1.0\n")
     assert (source_digest(sources) != before) == renewed
+
+
+def test_more_threads_than_cores_are_one_for_each():
+    use_threads(10_000)
+    assert numba.get_num_threads() == numba.config.NUMBA_NUM_THREADS
