@@ -49,11 +49,8 @@ def to_equilibrium(scene: Scene, name: str) -> float:
     weight = scene.solid.density * area(body) * ((g if scene.solid.gravity else 0.0) - push)
     held = sum(k * part**2 for k, part in zip(scene.solid.spring.stiffness, up, strict=False))
     stiffness = rho * g * wide / max(1.0 - wide / tank, 1e-9) + held
-    return (
-        float(abs(rho * g * area_below(sides[:, 0], sides[:, 1], level) - weight) / stiffness)
-        if stiffness > 0.0
-        else math.inf
-    )
+    lifted = rho * g * area_below(sides[:, 0], sides[:, 1], level)
+    return float(abs(lifted - weight) / stiffness) if stiffness > 0.0 else math.inf
 
 
 def _width(sides: np.ndarray, level: float) -> float:

@@ -49,7 +49,7 @@ from coupler.preflight.error_solid import (
 )
 from coupler.preflight.finding import COLUMN, PARTICLE_FLUIDS, STEADY, of_particles
 from coupler.preflight.numbers import Numbers
-from coupler.preflight.plate import goals_probe, of_a_body
+from coupler.preflight.plate import goals_probe, goals_quantity, of_a_body
 from coupler.preflight.resonance import RESONANCE, resonance
 from coupler.preflight.swing import RADIATES, carries_sound, late, radiates
 from shared.geometry import outline
@@ -113,7 +113,7 @@ def _fluid(scene: Scene, n: Numbers) -> float:
 def _at_rest(scene: Scene, n: Numbers, floats: bool) -> float:
     """Of water of particles that rests, or moves along with a structure alone."""
     water, probe, steady = n.water, goals_probe(scene), scene.goal.statistic in STEADY
-    if probe is not None and probe.quantity in MOTIONS and not of_a_body(scene):
+    if goals_quantity(scene) in MOTIONS and not of_a_body(scene):
         return UNKNOWN
     if not steady and radiates(scene, n):
         return UNKNOWN
@@ -128,7 +128,7 @@ def _at_rest(scene: Scene, n: Numbers, floats: bool) -> float:
         error += _near_surface(scene, n, probe)
     if probe is not None and probe.quantity == "elevation":
         error += off_level(scene, n, probe, SAG) or UNKNOWN
-    if probe is not None and _across(scene, probe):
+    if _across(scene):
         error += 2.0 * math.hypot(*scene.gravity) * water.height / (3.0 * water.sound_speed**2)
     error += 0.0 if steady else _sounding(scene, n)
     return error + (_waterline(scene, n, probe) if floats else 0.0)
@@ -145,9 +145,9 @@ def _over_faces(scene: Scene, n: Numbers) -> float:
     return CORNERS * scene.solid.dx**2 / area * _left_of_weight(scene, n) if round_it else 0.0
 
 
-def _across(scene: Scene, probe: Probe) -> bool:
-    """Whether the probe is of a force across gravity."""
-    axis = {"force-x": 0, "force-y": 1}.get(probe.quantity)
+def _across(scene: Scene) -> bool:
+    """Whether the goal is of a force across gravity."""
+    axis = {"force-x": 0, "force-y": 1}.get(goals_quantity(scene))
     return axis is not None and any(scene.gravity) and scene.gravity[axis] == 0.0
 
 
@@ -188,10 +188,9 @@ def _sounding(scene: Scene, n: Numbers) -> float:
 
 def _left_of_weight(scene: Scene, n: Numbers) -> float:
     """Buoyancy over what it leaves of the weight of a plate under water: so many times its error counts in bending."""
-    probe = goals_probe(scene)
     if n.plate is None or n.plate.wet < 2 or not scene.solid.gravity or scene.solid.loads:
         return 1.0
-    if probe is not None and probe.quantity in ("force-x", "force-y"):
+    if goals_quantity(scene) in ("force-x", "force-y"):
         return 1.0
     left = abs(n.plate.density - n.water.density)
     return max(1.0, n.water.density / left) if left > 0.0 else UNKNOWN

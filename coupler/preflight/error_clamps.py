@@ -17,7 +17,7 @@ from __future__ import annotations
 import math
 
 from coupler.preflight.held import FACES_OF_AXIS, held_in_part, held_sides, lengthwise
-from coupler.preflight.plate import Plate, goals_probe
+from coupler.preflight.plate import Plate, goals_probe, plates_body
 from shared.regions import axes_of, own_box, turn
 from shared.schema import Scene
 from shared.schema_geometry import Body
@@ -32,7 +32,7 @@ OF_ENERGY = 1.25
 
 def clamps_slip(scene: Scene, plate: Plate) -> float:
     """Of particles: clamps that give way."""
-    body, nu, dx = _body(scene, plate), scene.solid.poisson_ratio, scene.solid.dx
+    body, nu, dx = plates_body(scene, plate), scene.solid.poisson_ratio, scene.solid.dx
     parts = held_in_part(scene, body)
     share, flat = plate.clamps * dx / plate.length, len(held_sides(scene, body)) - plate.clamps - parts
     if flat and _sheared(scene, plate, body):  # such a face is an end
@@ -55,11 +55,7 @@ def clamps_width(scene: Scene, plate: Plate) -> float:
     """Of a beam: clamps that leave the section its width."""
     nu = scene.solid.poisson_ratio
     width = WIDTH * plate.clamps * nu**2 / (1.0 - nu) * plate.thickness / plate.length
-    return width * _counts(scene, plate, _body(scene, plate))
-
-
-def _body(scene: Scene, plate: Plate) -> Body:
-    return next(one for one in scene.solid.bodies if one.name == plate.name)
+    return width * _counts(scene, plate, plates_body(scene, plate))
 
 
 def _counts(scene: Scene, plate: Plate, body: Body) -> float:

@@ -29,7 +29,7 @@ import numpy as np
 
 from coupler.preflight.finding import STEADY
 from coupler.preflight.numbers import Numbers
-from coupler.preflight.plate import goals_probe
+from coupler.preflight.plate import goals_probe, goals_quantity
 from coupler.preflight.rules_water import LOOSE
 from shared.expected_speed import start_speed
 from shared.geometry import outline
@@ -56,7 +56,7 @@ def flow_error(scene: Scene, n: Numbers) -> float:
     """Bound of the goal's relative error."""
     water, goal = n.water, scene.goal
     probe = goals_probe(scene)
-    quantity = probe.quantity if probe is not None else None
+    quantity = goals_quantity(scene)
     if goal.statistic == "wave-period":
         return _period(scene, n) + (LATTICE if _stiff(n) else 0.0)
     if water.free and quantity in MOTIONS and goal.statistic in ("final", "max"):

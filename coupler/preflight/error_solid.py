@@ -37,7 +37,7 @@ from coupler.preflight.error_sudden import PEAKS, jumps, sudden_error
 from coupler.preflight.finding import STEADY
 from coupler.preflight.held import lengthwise
 from coupler.preflight.numbers import Numbers
-from coupler.preflight.plate import Plate, goals_probe, of_a_body
+from coupler.preflight.plate import Plate, goals_quantity, of_a_body, plates_body
 from coupler.preflight.shapes import FEW, excess, excess_of_inertia
 from coupler.preflight.swing import swing
 from shared.regions import axes_of
@@ -82,8 +82,7 @@ def of_structure(scene: Scene, n: Numbers) -> float:
         return filled + seen_late
     nu = solid.poisson_ratio
     if plate.model == "beam":
-        probe = goals_probe(scene)
-        shape = BEAM_SHAPE * (BEAM_STRESS if probe is not None and probe.quantity in STRESSES else 1.0)
+        shape = BEAM_SHAPE * (BEAM_STRESS if goals_quantity(scene) in STRESSES else 1.0)
         bound = shape * overtone(scene, plate) * (plate.thickness / plate.length) ** 2
         bound += clamps_width(scene, plate) + BEAM_STRETCH * plate.stretch + BEAM_BENT * _bent(plate, what) ** 2
     elif plate.model == "ctvf" and solid.gradient != "quadratic":
@@ -98,7 +97,7 @@ def of_structure(scene: Scene, n: Numbers) -> float:
 
 def _moves_as_a_whole(scene: Scene, plate: Plate) -> bool:
     """Whether nothing but weight and a start moves a body: it flies whatever it is made of."""
-    solid, body = scene.solid, next(one for one in scene.solid.bodies if one.name == plate.name)
+    solid, body = scene.solid, plates_body(scene, plate)
     named = {one.body for one in (*solid.clamps, *solid.loads)}
     bends = body.velocity_mode is not None or any(body.prestrain) or body.spin  # about what its particles weigh
     held = any(solid.spring.stiffness) or any(solid.spring.damping) or solid.motion is not None
@@ -109,16 +108,16 @@ def _shortens(scene: Scene, plate: Plate) -> bool:
     """Whether the goal is how far a plate that bends is drawn in along its length: the square of its deflection."""
     if not plate.clamps or plate.along or not _of_displacement(scene):
         return False
-    body = next(one for one in scene.solid.bodies if one.name == plate.name)
-    component = ("displacement-x", "displacement-y").index(goals_probe(scene).quantity)
+    body = plates_body(scene, plate)
+    component = ("displacement-x", "displacement-y").index(goals_quantity(scene))
     return abs(float(axes_of(body.rotate)[lengthwise(body)[0]][component])) > ALONG
 
 
 def _filled(scene: Scene, plate: Plate) -> float:
     """What particles hold of the body's area too much or too little, and so of its mass; of a body that is spun, of
     its inertia."""
-    body, probe = next(one for one in scene.solid.bodies if one.name == plate.name), goals_probe(scene)
-    if body.spin and probe is not None and probe.quantity in ("angular-momentum", "kinetic-energy"):
+    body = plates_body(scene, plate)
+    if body.spin and goals_quantity(scene) in ("angular-momentum", "kinetic-energy"):
         return abs(excess_of_inertia(body, scene.solid.dx, FEW))
     return abs(excess(body, scene.solid.dx, FEW)) * (0.5 if scene.goal.statistic in TIMES else 1.0)
 
@@ -179,9 +178,8 @@ def swing_in_a_mean(scene: Scene, n: Numbers) -> float:
     measured, left, echoed = end - start, first.left(start), first.echoed(start, end)
     if first.damping >= 2.0 * first.omega:  # a creep counts as far as it dies
         return left / max(first.creep * measured, 1.0) + echoed
-    probe = goals_probe(scene)
     ends = 1.0 + first.left(measured)  # of the time: both count until damping takes the later one away
-    much = FIRST_MODE * QUADRATIC.get(probe.quantity if probe is not None else "", 1.0)
+    much = FIRST_MODE * QUADRATIC.get(goals_quantity(scene), 1.0)
     return left * min(much * ends / (first.omega * measured), 1.0) + echoed
 
 
@@ -201,8 +199,7 @@ def swing_at_the_end(scene: Scene, n: Numbers, error: float) -> float:
 
 
 def _of_displacement(scene: Scene) -> bool:
-    probe = goals_probe(scene)
-    return probe is not None and probe.quantity in ("displacement-x", "displacement-y")
+    return goals_quantity(scene) in ("displacement-x", "displacement-y")
 
 
 def _stepped(scene: Scene, plate: Plate) -> float:

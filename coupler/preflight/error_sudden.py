@@ -12,7 +12,7 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 
-from coupler.preflight.plate import Plate, goals_probe
+from coupler.preflight.plate import Plate, goals_quantity
 from shared.scene_models import REACTIONS, STRESSES
 from shared.schema import Scene
 from shared.schema_solid import RIGID_MODELS
@@ -25,7 +25,7 @@ OF_REACTION, OF_BEAMS_REACTION, OF_STRESS = 0.03, 0.015, 0.01
 
 def jumps(scene: Scene, plate: Plate) -> bool:
     """Whether the goal is a peak behind a front that jumps."""
-    return plate.along and _peak_at_once(scene, plate, PEAKS) and _quantity(scene) in (*REACTIONS, *STRESSES)
+    return plate.along and _peak_at_once(scene, plate, PEAKS) and goals_quantity(scene) in (*REACTIONS, *STRESSES)
 
 
 def sudden_error(scene: Scene, plate: Plate) -> float:
@@ -34,7 +34,9 @@ def sudden_error(scene: Scene, plate: Plate) -> float:
         return 0.0
     if not plate.along:
         reaction = OF_BEAMS_REACTION if plate.model == "beam" else OF_REACTION
-        return {**dict.fromkeys(REACTIONS, reaction), **dict.fromkeys(STRESSES, OF_STRESS)}.get(_quantity(scene), 0.0)
+        return {**dict.fromkeys(REACTIONS, reaction), **dict.fromkeys(STRESSES, OF_STRESS)}.get(
+            goals_quantity(scene), 0.0
+        )
     if not plate.clamps:
         return 0.0
     solid, crossed = scene.solid, plate.length * plate.frequency * (4.0 if plate.clamps == 1 else 2.0)
@@ -53,8 +55,3 @@ def _peak_at_once(scene: Scene, plate: Plate, peaks: Sequence[str]) -> bool:
     loads = [load for load in scene.solid.loads if load.body == plate.name]
     at_once = any(load.table.factors[0] != 0.0 if load.table else load.ramp == 0.0 for load in loads)
     return at_once or (scene.solid.gravity and any(scene.gravity))
-
-
-def _quantity(scene: Scene) -> str:
-    probe = goals_probe(scene)
-    return "" if probe is None else probe.quantity

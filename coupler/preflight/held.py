@@ -63,7 +63,7 @@ def bending_frequency(scene: Scene, body: Body) -> float:
     """First bending frequency [1/s] of a body as a thin beam; held by a part of a side, it may be a cantilever."""
     solid, (_, thickness, length) = scene.solid, lengthwise(body)
     ends = held_ends(scene, body) or int(bool(held_in_part(scene, body)))
-    return first_frequency(ends, length, _stiffness(scene, body), solid.density * thickness)
+    return first_frequency(ends, length, bending_stiffness(scene, body), solid.density * thickness)
 
 
 def swing_frequency(scene: Scene, body: Body, squeeze: float) -> float:
@@ -116,7 +116,7 @@ def squeezed(scene: Scene, body: Body, in_water: bool) -> float:
             push += mass * along
         elif _side(body, load.face) == FACES_OF_AXIS[axis][1 - near]:
             push += thickness * along
-    return push * 4.0 * length**2 / (math.pi**2 * _stiffness(scene, body))
+    return push * 4.0 * length**2 / (math.pi**2 * bending_stiffness(scene, body))
 
 
 def left_of_stiffness(squeeze: float) -> float:
@@ -129,6 +129,7 @@ def largest_factor(load: Load) -> float:
     return 1.0 if load.table is None else max(load.table.factors, key=abs)
 
 
-def _stiffness(scene: Scene, body: Body) -> float:
+def bending_stiffness(scene: Scene, body: Body) -> float:
+    """D = E t³/(12 (1 − ν²)) [N m]; infinite of a rigid body."""
     solid, (_, thickness, _) = scene.solid, lengthwise(body)
-    return solid.youngs_modulus * thickness**3 / (12.0 * (1.0 - solid.poisson_ratio**2))
+    return (solid.youngs_modulus or math.inf) * thickness**3 / (12.0 * (1.0 - solid.poisson_ratio**2))

@@ -17,7 +17,7 @@ from coupler.preflight.error_flow import MOTIONS
 from coupler.preflight.error_solid import PHASE, SWING, not_bounded
 from coupler.preflight.finding import PARTICLE_FLUIDS, STEADY
 from coupler.preflight.numbers import Numbers, scene_numbers
-from coupler.preflight.plate import goals_probe
+from coupler.preflight.plate import goals_quantity
 from coupler.preflight.rules import findings
 from coupler.preflight.rules_joint import helmholtz
 from coupler.preflight.variations import coupled, dampings, fits, has_particles, refined, with_models
@@ -179,7 +179,7 @@ def _unable(scene: Scene, n: Numbers, worst: str) -> str:
             found = helmholtz(scene, n)
             if found is not None and found.verdict == "refuse":
                 return f"the low sound speed cannot resolve a {what}: {found.reason}"
-            if n.water.rests and goals_probe(scene).quantity in MOTIONS:
+            if n.water.rests and goals_quantity(scene) in MOTIONS:
                 return "the water rests: of a motion that is nothing there is no relative error"
             return "what is left of the value is too little for a bound of its relative error"
         if n.plate is not None and afloat(scene, n.plate):

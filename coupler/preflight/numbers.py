@@ -14,7 +14,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from coupler.preflight.held import lengthwise
-from coupler.preflight.plate import Plate, levels_before, measure_plate
+from coupler.preflight.plate import Plate, levels_before, measure_plate, plates_body
 from coupler.preflight.water import Water, measure_water
 from shared.geometry import outline
 from shared.regions import axes_of
@@ -61,7 +61,7 @@ def scene_numbers(scene: Scene) -> Numbers:
 
 
 def _joint(scene: Scene, water: Water, plate: Plate) -> Joint:
-    body = next(one for one in scene.solid.bodies if one.name == plate.name)
+    body = plates_body(scene, plate)
     normal = axes_of(body.rotate)[1 - lengthwise(body)[0]]
     corners = np.concatenate([outline(one).reshape(-1, 2) for one in scene.fluid.bodies])
     depth = float(np.ptp(corners @ normal))

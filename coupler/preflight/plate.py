@@ -10,6 +10,7 @@ import numpy as np
 from coupler.preflight.held import (
     FACES_OF_AXIS,
     bending_frequency,
+    bending_stiffness,
     held_ends,
     largest_factor,
     lengthwise,
@@ -79,6 +80,17 @@ def goals_probe(scene: Scene) -> Probe | None:
     return next((one for one in scene.probes if scene.goal is not None and one.name == scene.goal.probe), None)
 
 
+def goals_quantity(scene: Scene) -> str:
+    """What that probe measures; empty without one."""
+    probe = goals_probe(scene)
+    return "" if probe is None else probe.quantity
+
+
+def plates_body(scene: Scene, plate: Plate) -> Body:
+    """The body that a plate was measured of."""
+    return next(body for body in scene.solid.bodies if body.name == plate.name)
+
+
 def of_a_body(scene: Scene) -> bool:
     """Whether the goal is of what a body of the solid does, and not of the water's push on it."""
     probe, solid = goals_probe(scene), scene.solid
@@ -94,8 +106,7 @@ def measure_plate(scene: Scene, water: Water | None) -> Plate:
     axis, thickness, length = lengthwise(body)
     ends = held_ends(scene, body)
     elastic = solid.youngs_modulus is not None and solid.model not in RIGID_MODELS
-    nu, modulus = solid.poisson_ratio, solid.youngs_modulus or math.inf
-    stiffness = modulus * thickness**3 / (12.0 * (1.0 - nu**2))
+    nu, modulus, stiffness = solid.poisson_ratio, solid.youngs_modulus or math.inf, bending_stiffness(scene, body)
     frequency = deflection = None
     levels = levels_before(scene, body) if water is not None else []
     squeeze = squeezed(scene, body, len(levels) == 2) if elastic else 0.0

@@ -7,7 +7,7 @@ from collections.abc import Iterator
 
 from coupler.preflight.finding import PARTICLE_FLUIDS, STEADY
 from coupler.preflight.numbers import Numbers, scene_numbers
-from coupler.preflight.plate import goals_probe
+from coupler.preflight.plate import goals_quantity
 from coupler.preflight.rules_joint import SUPPORT_WARN
 from coupler.preflight.rules_plate import ACROSS_WARN
 from coupler.preflight.rules_water import WATER_ACROSS_WARN
@@ -108,8 +108,8 @@ def fits(n: Numbers) -> bool:
 def dampings(scene: Scene, n: Numbers) -> Iterator[Varied]:
     """The scene as it is, and damped to rest where the goal is a mean that only the start-up swing disturbs."""
     yield scene, ()
-    first, probe = swing(scene, n), goals_probe(scene)
-    if probe is None or probe.quantity not in _LINEAR:
+    first = swing(scene, n)
+    if goals_quantity(scene) not in _LINEAR:
         return
     flows = n.water is not None and not n.water.rests
     if first is None or flows or scene.goal.statistic not in STEADY:
