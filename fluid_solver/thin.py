@@ -16,29 +16,25 @@ import numpy as np
 from scipy.spatial import cKDTree
 
 from shared.contract import BadInput
-from shared.geometry import contains, outline
+from shared.geometry import outline
 from shared.schema import Scene
-from shared.schema_geometry import Shape
+from shared.thin_walls import SPACING, THINNEST, before_water, points_along
 
 log = logging.getLogger("shearwater")
 
-THINNEST = 1.9  # of dx: below it the net load of two waters is up to a quarter off
 _OPPOSITE = -0.7  # cosine between outward normals of faces that look away from each other
-_BESIDE = 0.25  # of dx: a face is wet where there is water this far off it
 
 
 def refuse_thin(scene: Scene) -> None:
     """Raise BadInput for a solid body thinner than `THINNEST` dx that stands in water on both faces; warn of others."""
     dx = scene.fluid.dx
     for body in scene.solid.bodies if scene.solid else []:
-        points, normals = _face_points(body, 0.25 * dx)
+        points, normals = points_along(outline(body)[:, ::-1], SPACING * dx)
         pairs = cKDTree(points).query_pairs(THINNEST * dx * (1.0 - 1e-9), output_type="ndarray")
         facing = pairs[np.sum(normals[pairs[:, 0]] * normals[pairs[:, 1]], axis=1) < _OPPOSITE]
         if len(facing) == 0:
             continue
-        wet = np.zeros(len(points), dtype=bool)
-        for water in scene.fluid.bodies:
-            wet |= contains(water, points + _BESIDE * dx * normals)
+        wet = before_water(scene, points, normals)
         thickness = np.hypot(*(points[facing[:, 0]] - points[facing[:, 1]]).T).min()
         thin = f"body {body.name!r} is {thickness:.3g} m thick, less than {THINNEST:g} fluid.dx"
         if np.any(wet[facing[:, 0]] & wet[facing[:, 1]]):
@@ -48,15 +44,3 @@ def refuse_thin(scene: Scene) -> None:
                 f"thickness or less is better), or the body thicker."
             )
         log.warning("%s: where water comes to both faces, the net load will be up to a quarter off", thin)
-
-
-def _face_points(body: Shape, spacing: float) -> tuple[np.ndarray, np.ndarray]:
-    """Points (n, 2) [m] along the body's outline, `spacing` apart or less, and outward unit normals (n, 2)."""
-    points, normals = [], []
-    for start, end in outline(body):
-        along = end - start
-        length = np.hypot(*along)
-        count = max(1, int(np.ceil(length / spacing)))
-        points.append(start + along * ((np.arange(count) + 0.5) / count)[:, None])
-        normals.append(np.tile([along[1] / length, -along[0] / length], (count, 1)))
-    return np.concatenate(points), np.concatenate(normals)

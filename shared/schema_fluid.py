@@ -10,6 +10,8 @@ from pydantic import Field, field_validator, model_validator
 from shared.schema_base import Name, NonNegative, Pair, Positive, Table, key
 from shared.schema_geometry import Body, Motion
 
+PARTICLE_FLUIDS = ("ctvf", "wcsph")  # models of particles, whose walls and structures are ghosts
+
 
 class Wall(Table):
     """A wall of ghost particles behind a polyline; the fluid is on the polyline's left."""

@@ -15,32 +15,32 @@ from scipy.spatial import cKDTree
 
 from shared.geometry import contains
 from shared.schema import Scene
+from shared.schema_fluid import PARTICLE_FLUIDS
 from shared.wall_chains import segments_of
 
-THINNEST = 1.9  # of dx, as of a structure
-PARTICLES = ("wcsph", "ctvf")  # fluids that have ghosts
+THINNEST = 1.9  # of dx, of a structure too: below it the net load of two waters is up to a quarter off
 _OPPOSITE = -0.95  # cosine between normals of faces that look away from each other; a spike's tip may be thin
 _TOUCHING = 1e-9  # of dx: faces on one line are a wall of no thickness
-_SPACING, _BESIDE = 0.25, 0.25  # of dx: between points on a face, and off it where there is water if it is wet
+SPACING = 0.25  # of dx: between points on a face, at most, and off it where there is water if it is wet
 
 
 def thin_walls(scene: Scene) -> Iterator[tuple[str, float, bool]]:
     """Of each two walls (or one) whose faces stand back to back less than `THINNEST` dx apart: what and where that is,
     the thickness [m], and whether there is water before both."""
-    if scene.fluid is None or scene.fluid.model not in PARTICLES:
+    if scene.fluid is None or scene.fluid.model not in PARTICLE_FLUIDS:
         return
     dx = scene.fluid.dx
-    owner, point, normal = _faces(scene, _SPACING * dx)
-    if len(point) == 0:
+    if not scene.walls:
         return
+    laid = [points_along(segments_of(wall), SPACING * dx) for wall in scene.walls]
+    owner = np.repeat(np.arange(len(laid)), [len(points) for points, _ in laid])
+    point, normal = (np.concatenate(column) for column in zip(*laid, strict=True))
     one, other = cKDTree(point).query_pairs(THINNEST * dx * (1.0 - 1e-9), output_type="ndarray").T
     between = point[other] - point[one]
     away = np.sum(normal[one] * normal[other], axis=1) < _OPPOSITE
     away &= np.sum(between * normal[one], axis=1) < _TOUCHING * dx
     one, other, between = one[away], other[away], between[away]
-    wet = np.zeros(len(point), dtype=bool)
-    for water in scene.fluid.bodies:
-        wet |= contains(water, point + _BESIDE * dx * normal)
+    wet = before_water(scene, point, normal)
     both = wet[one] & wet[other]
     thickness = np.maximum(-np.sum(between * normal[one], axis=1), 0.0)
     pairs = np.sort(np.c_[owner[one], owner[other]], axis=1)
@@ -53,15 +53,22 @@ def thin_walls(scene: Scene) -> Iterator[tuple[str, float, bool]]:
         yield what, float(thickness[k]), bool(both[k])
 
 
-def _faces(scene: Scene, spacing: float) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Wall of each of the points (n, 2) [m] along all walls' faces, and unit normals (n, 2) into the water."""
-    owner, points, normals = [np.empty(0, dtype=int)], [np.empty((0, 2))], [np.empty((0, 2))]
-    for number, wall in enumerate(scene.walls):
-        for start, end in segments_of(wall):
-            length = float(np.hypot(*(end - start)))
-            count = max(1, int(np.ceil(length / spacing)))
-            along = (end - start) / length
-            owner.append(np.full(count, number))
-            points.append(start + (end - start) * ((np.arange(count) + 0.5) / count)[:, None])
-            normals.append(np.tile([-along[1], along[0]], (count, 1)))
-    return np.concatenate(owner), np.concatenate(points), np.concatenate(normals)
+def points_along(faces: np.ndarray, spacing: float) -> tuple[np.ndarray, np.ndarray]:
+    """Points (n, 2) [m] along the `faces` (k, 2, 2), `spacing` [m] apart or less, and unit normals (n, 2) to their
+    left, seen from start to end."""
+    points, normals = [], []
+    for start, end in faces:
+        along = end - start
+        length = float(np.hypot(*along))
+        count = max(1, int(np.ceil(length / spacing)))
+        points.append(start + along * ((np.arange(count) + 0.5) / count)[:, None])
+        normals.append(np.tile([-along[1] / length, along[0] / length], (count, 1)))
+    return np.concatenate(points), np.concatenate(normals)
+
+
+def before_water(scene: Scene, points: np.ndarray, normals: np.ndarray) -> np.ndarray:
+    """Which of the `points` (n, 2) [m] on faces with these `normals` have water before them at t = 0."""
+    wet = np.zeros(len(points), dtype=bool)
+    for water in scene.fluid.bodies:
+        wet |= contains(water, points + SPACING * scene.fluid.dx * normals)
+    return wet

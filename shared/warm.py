@@ -23,13 +23,13 @@ import numpy as np
 from shared.awake import wait_for
 from shared.contract import Kinematics, Loads, Model, ShearwaterError
 from shared.schema import Scene
+from shared.schema_fluid import PARTICLE_FLUIDS
 from shared.sides import own_probes
 
 _TINY_STEPS = 2
 _PLACE = str(Path(__file__).resolve().parent)  # numba keeps what it compiles of the same sources elsewhere apart
 _ROOM = 1 << 22  # bytes, what the kernels of a scene need
 _FULL = (errno.ENOSPC, errno.EDQUOT, errno.EFBIG)  # disk, quota, limit of the shell
-_SWEEPING = ("wcsph", "ctvf")  # fluid models with `compile_sweeps`
 _FLAGS = ("model", "kernel", "gradient", "shifting")  # keys that choose kernels by their value
 _PRESENCE = ("viscosity", "alpha", "damping", "loads", "spring", "motion")  # keys that choose them by being there
 
@@ -55,7 +55,7 @@ def fill_cache(packages: Mapping[str, str], case: Path, scene: Scene) -> None:
     for side, package in packages.items():
         if not stamp(scene, side).exists():
             parts[f"compiles the {side} side"] = [package, "warm", str(case)]
-            if side == "fluid" and scene.fluid.model in _SWEEPING:
+            if side == "fluid" and scene.fluid.model in PARTICLE_FLUIDS:  # have `compile_sweeps`
                 parts[f"compiles the {side} side's sweeps"] = [package, "warm", str(case), "--sweeps"]
     if parts:
         _try_room()

@@ -47,13 +47,14 @@ from coupler.preflight.error_solid import (
     swing_at_the_end,
     swing_in_a_mean,
 )
-from coupler.preflight.finding import COLUMN, PARTICLE_FLUIDS, STEADY, of_particles
+from coupler.preflight.finding import COLUMN, STEADY, of_particles
 from coupler.preflight.numbers import Numbers
 from coupler.preflight.plate import goals_probe, goals_quantity, of_a_body
 from coupler.preflight.resonance import RESONANCE, resonance
 from coupler.preflight.swing import RADIATES, carries_sound, late, radiates
 from shared.geometry import outline
 from shared.schema import Scene
+from shared.schema_fluid import PARTICLE_FLUIDS
 from shared.schema_probes import Probe
 from shared.schema_solid import RIGID_MODELS
 

@@ -9,13 +9,13 @@ from typing import Literal
 
 from coupler.preflight.numbers import Numbers
 from shared.schema import Scene
+from shared.schema_fluid import PARTICLE_FLUIDS
 
 Verdict = Literal["ok", "warn", "refuse"]
 
 STEADY = ("mean",)  # statistics that do not feel how fast sound crosses the water
 COLUMN = 0.3
 """Bound of what columns make of the swing of a plate that bends."""
-PARTICLE_FLUIDS = ("ctvf", "wcsph")
 
 
 @dataclass(frozen=True)

@@ -15,7 +15,7 @@ from coupler.preflight.cost import Cost, predicted_cost
 from coupler.preflight.error import FACES, Parts, error_parts
 from coupler.preflight.error_flow import MOTIONS
 from coupler.preflight.error_solid import PHASE, SWING, not_bounded
-from coupler.preflight.finding import PARTICLE_FLUIDS, STEADY
+from coupler.preflight.finding import STEADY
 from coupler.preflight.numbers import Numbers, scene_numbers
 from coupler.preflight.plate import goals_quantity
 from coupler.preflight.rules import findings
@@ -25,7 +25,7 @@ from coupler.preflight.water import measure_water
 from shared.scene_checks import check_scene
 from shared.scene_models import FORCES
 from shared.schema import Scene
-from shared.schema_fluid import Fluid
+from shared.schema_fluid import PARTICLE_FLUIDS, Fluid
 from shared.schema_solid import RIGID_MODELS, Solid
 
 Standing = Literal["smallest", "enough", "not enough", "cannot"]

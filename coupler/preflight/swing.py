@@ -12,9 +12,10 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 
-from coupler.preflight.finding import PARTICLE_FLUIDS, of_particles
+from coupler.preflight.finding import of_particles
 from coupler.preflight.numbers import Numbers
 from shared.schema import Scene
+from shared.schema_fluid import PARTICLE_FLUIDS
 
 RADIATES = math.pi / 2.0  # depth in radians of sound: a quarter wave
 ECHO = 1.5  # of what a plate that moves as one would feel of an echo: found up to 1.2

@@ -5,7 +5,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from coupler.preflight.finding import PARTICLE_FLUIDS, STEADY
+from coupler.preflight.finding import STEADY
 from coupler.preflight.numbers import Numbers, scene_numbers
 from coupler.preflight.plate import goals_quantity
 from coupler.preflight.rules_joint import SUPPORT_WARN
@@ -14,7 +14,7 @@ from coupler.preflight.rules_water import WATER_ACROSS_WARN
 from coupler.preflight.swing import swing
 from shared.scene_models import FORCES, REACTIONS
 from shared.schema import Scene
-from shared.schema_fluid import Column
+from shared.schema_fluid import PARTICLE_FLUIDS, Column
 from shared.schema_solid import PARTICLE_MODELS, RIGID_MODELS
 
 Varied = tuple[Scene, tuple[str, ...]]
