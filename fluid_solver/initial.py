@@ -89,7 +89,7 @@ def fluid_particles(scene: Scene, c0: float, ghosts: Ghosts, kernel: Kernel, h: 
     volume = np.concatenate([lattice.volume for lattice in lattices])
     position = off_faces(position, faces, CLEAR * fluid.dx)
     if fluid.shake == 0.0:
-        position = pack(position, volume, (ghosts.position, ghosts.volume), faces, kernel, h, fluid.dx)
+        position = pack(position, volume, fluid.bodies, (ghosts.position, ghosts.volume), faces, kernel, h, fluid.dx)
     gravity = np.where(np.diff(period_of(scene))[:, 0] > 0.0, 0.0, scene.gravity)
     parts, ends = [], np.cumsum([len(lattice.position) for lattice in lattices])
     for index, (body, here) in enumerate(zip(fluid.bodies, np.split(position, ends[:-1]), strict=True)):

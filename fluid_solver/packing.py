@@ -4,20 +4,24 @@
 As it was laid, some of it stands a quarter of a spacing off the face and some three quarters. Where particles are not
 evenly spread, the pressure force is not that of the pressure alone, and water at rest is stirred for good: over a ridge
 its mean pressure was a fifth too high (wcsph; packed 3 % low), and with h = 2 dx some of it went into the wall.
-Positions alone move, by −∇C, C = Σ V W over fluid and ghosts; what is near a free surface, or a lattice that fits its
-faces, stays.
+Positions alone move, by −∇C, C = Σ V W over fluid and ghosts, and beyond a free surface over the points of the fluid's
+own lattice there, which are packed with it; a lattice that fits its faces stays.
 """
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import numpy as np
 from scipy.spatial import cKDTree
 
-from shared.geometry import distance_to
+from shared.geometry import distance_to, fill
 from shared.kernels import Kernel, evaluate
+from shared.schema_geometry import Body
 
 REACH = 2.0  # supports: how far from a slanted face fluid is packed
 CLEAR = 0.4  # of dx: nearest to a face
+_APART = 0.75  # of dx: nearer to fluid or ghosts, a point of the lattice beyond a free surface is left out
 _SURFACE = 0.85  # C below which a particle is at a free surface
 _SWEEPS, _LISTED = 200, 5  # at most; of so many each, neighbours are searched once
 _PART, _LONGEST = 0.12, 0.1  # of h² ∇C, and of dx: a sweep's way
@@ -33,25 +37,29 @@ def slanted(faces: np.ndarray) -> np.ndarray:
 def pack(
     position: np.ndarray,
     volume: np.ndarray,
+    bodies: Sequence[Body],
     ghosts: tuple[np.ndarray, np.ndarray],
     faces: np.ndarray,
     kernel: Kernel,
     h: float,
     dx: float,
 ) -> np.ndarray:
-    """`position` (n, 2) [m] of fluid particles of `volume` (n,) [m²], packed near the slanted ones of `faces`.
+    """`position` (n, 2) [m] of fluid particles of `volume` (n,) [m²], which fill `bodies`, packed near the slanted ones
+    of `faces`.
 
     `faces` (k, 2, 2) have the fluid on the left of start → end; `ghosts`: position (m, 2) and volume (m,) of theirs.
     """
     position, cut, support = position.copy(), slanted(faces), kernel.support * h
     if len(cut) == 0 or len(position) == 0:
         return position
-    far = distance_to(cut, position)
-    near = np.flatnonzero(far < (REACH + 2.0) * support)
-    still = distance_to(cut, ghosts[0]) < (REACH + 2.0) * support
-    points = np.concatenate([position[near], ghosts[0][still]])
-    volumes = np.concatenate([volume[near], ghosts[1][still]])
-    n, far = len(near), far[near]
+    reach = (REACH + 2.0) * support
+    near = np.flatnonzero(distance_to(cut, position) < reach)
+    still = distance_to(cut, ghosts[0]) < reach
+    fluid, walls = position[near], ghosts[0][still]
+    air, emptied = _beyond_surfaces(bodies, np.concatenate([fluid, walls]), cut, reach, dx)
+    points = np.concatenate([fluid, air, walls])
+    volumes = np.concatenate([volume[near], emptied, ghosts[1][still]])
+    far = distance_to(cut, points[: len(near) + len(air)])
     free = _near_surface(points, volumes, far < (REACH + 1.0) * support, kernel, h)
     moves = np.flatnonzero((far < REACH * support) & ~free)
     margin = 2.0 * _LISTED * _LONGEST * dx
@@ -64,8 +72,22 @@ def pack(
             break
         way = np.minimum(_PART * h**2, _LONGEST * dx / np.maximum(size, 1e-300))
         points[moves] = off_faces(points[moves] - way[:, None] * gradient, faces, CLEAR * dx)
-    position[near] = points[:n]
+    position[near] = points[: len(near)]
     return position
+
+
+def _beyond_surfaces(bodies: Sequence[Body], taken: np.ndarray, cut: np.ndarray, reach: float, dx: float):
+    """Points (k, 2) of the lattices of `bodies` beyond their free surfaces, and their volumes (k,) [m²]: nearer than
+    `reach` [m] to the faces `cut`, and clear of the `taken` points (n, 2)."""
+    position, volume = np.empty((0, 2)), np.empty(0)
+    for body in bodies:
+        lattice = fill(body, dx, margin=reach)
+        alone = distance_to(cut, lattice.position) < reach
+        others = cKDTree(np.concatenate([taken, position]))
+        alone[alone] = others.query(lattice.position[alone])[0] > _APART * dx
+        position = np.concatenate([position, lattice.position[alone]])
+        volume = np.concatenate([volume, lattice.volume[alone]])
+    return position, volume
 
 
 def _near_surface(points, volumes, asked: np.ndarray, kernel: Kernel, h: float) -> np.ndarray:

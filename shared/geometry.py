@@ -53,9 +53,9 @@ class Particles:
     axes: np.ndarray
 
 
-def fill(shape: Shape, dx: float) -> Particles:
+def fill(shape: Shape, dx: float, margin: float = 0.0) -> Particles:
     """Cell-centred particles in a shape at spacing `dx` [m], row by row, x fastest (in the shape's own
-    frame).
+    frame); with a `margin` [m], instead the points of that lattice about it, as far as that from its bounding box.
     """
     lower, upper = own_box(shape)
     spacing, centres = [], []
@@ -63,10 +63,11 @@ def fill(shape: Shape, dx: float) -> Particles:
         length = upper[axis] - lower[axis]
         count = max(1, math.floor(length / dx + 0.5))
         spacing.append(float(length / count))
-        centres.append(lower[axis] + (np.arange(count) + 0.5) * (length / count))
+        around = math.ceil(margin * count / length)
+        centres.append(lower[axis] + (np.arange(-around, count + around) + 0.5) * (length / count))
     x, y = np.meshgrid(*centres)
     position = turn(np.c_[x.ravel(), y.ravel()], shape.rotate)
-    position = position[contains(shape, position)]
+    position = position[contains(shape, position) != (margin > 0.0)]
     volume = np.full(len(position), spacing[0] * spacing[1])
     return Particles(position, volume, (spacing[0], spacing[1]), axes_of(shape.rotate))
 
