@@ -221,20 +221,20 @@ class Columns:
             rows = np.flatnonzero(nearest == k)
             column, away = patch.locate(points[rows])
             pressure[rows] = patch.static(self._scene, points[rows])
-            for row, i, x in zip(rows, column, away, strict=True):
-                p, v = self._dynamic(k, i, x)
-                pressure[row] += p
-                velocity[row] = v * patch.normal
+            beyond, speed = self._dynamic(k, column, away)
+            pressure[rows] += beyond
+            velocity[rows] = speed[:, None] * patch.normal
         return pressure, velocity
 
-    def _dynamic(self, k: int, i: int, x: float) -> tuple[float, float]:
-        """Pressure beyond the static one, and speed, `x` [m] from the foot of column i of patch k."""
+    def _dynamic(self, k: int, i: np.ndarray, x: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """Pressure beyond the static one, and speed, (m,), `x` (m,) [m] from the feet of the columns i (m,) of patch
+        k."""
         patch, at = self._patches[k], self._own[k].start + i
         if not self._lines:
             return self._rho * (patch.length - x) * self._face[2, at], self._face[1, at]
         now, back = self._time[0], 2.0 * patch.length / self._c
-        f = self._lines[k].at(now - x / self._c)[1][i]
-        g = self._reflection * self._lines[k].at(now + x / self._c - back)[1][i]
+        f = self._lines[k].value(now - x / self._c, i)
+        g = self._reflection * self._lines[k].value(now + x / self._c - back, i)
         return f + g, (f - g) / (self._rho * self._c)
 
 

@@ -42,9 +42,8 @@ class Patch:
     def locate(self, points: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Nearest column (m,) and the distance (m,) from its foot, within its length."""
         away = np.clip(self._height(points), 0.0, self.length)
-        on_face = points - self._height(points)[:, None] * self.normal
-        gaps = np.linalg.norm(on_face[:, None] - self.position[None], axis=2)
-        return np.argmin(gaps, axis=1), away
+        along = (points - self.position[0]) @ np.array([self.normal[1], -self.normal[0]])
+        return np.clip(np.rint(along / self.width), 0, len(self.position) - 1).astype(int), away
 
     def _height(self, points: np.ndarray) -> np.ndarray:
         return (points - self.position[0]) @ self.normal
