@@ -9,6 +9,7 @@ The state between windows is `Coupled`; each scheme takes a window and says what
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 from coupler.acceleration import Acceleration
@@ -39,11 +40,23 @@ class Coupled:
     loads: Predictor
     motions: Predictor
 
-    def accept(self, found: Loads, points: Kinematics, ghosts: Kinematics) -> None:
-        """The window is final: `found` on the points becomes the past, `points` and `ghosts` the next start."""
-        self.loads.add(found)
+    def accept(
+        self,
+        used: Loads,
+        found: Loads,
+        mapped: Loads,
+        points: Kinematics,
+        ghosts: Kinematics,
+        changes: Sequence[float],
+        converged: bool = True,
+    ) -> Outcome:
+        """The window is final: the loads `mapped` to the points become the past, `points` and `ghosts` the next start;
+        what happened in it."""
+        outcome = Outcome(used, found, mapped, (self.points, points), (self.ghosts, ghosts), tuple(changes), converged)
+        self.loads.add(mapped)
         self.motions.add(points)
         self.points, self.ghosts = points, ghosts
+        return outcome
 
     def state(self) -> State:
         """What lies between the two sides, as named arrays; the sides have their own."""
@@ -129,9 +142,7 @@ def parallel_explicit(c: Coupled, window: Window, measure: Measure) -> Outcome:
 def once(c: Coupled, measure: Measure, used: Loads, found: Loads, points: Kinematics, ghosts: Kinematics) -> Outcome:
     """Accept a window that was taken once."""
     mapped = c.mapping.loads(found)
-    outcome = Outcome(used, found, mapped, (c.points, points), (c.ghosts, ghosts), (measure.change(used, mapped),))
-    c.accept(mapped, points, ghosts)
-    return outcome
+    return c.accept(used, found, mapped, points, ghosts, [measure.change(used, mapped)])
 
 
 def serial_implicit(c: Coupled, window: Window, how: Iteration) -> Outcome:
@@ -159,9 +170,7 @@ def serial_implicit(c: Coupled, window: Window, how: Iteration) -> Outcome:
     if not converged:
         how.capped(window, changes)
     both(c, "accept")
-    outcome = Outcome(used, found, mapped, (c.points, points), (c.ghosts, ghosts), tuple(changes), converged)
-    c.accept(mapped, points, ghosts)
-    return outcome
+    return c.accept(used, found, mapped, points, ghosts, changes, converged)
 
 
 def parallel_implicit(c: Coupled, window: Window, how: Iteration) -> Outcome:
@@ -191,9 +200,7 @@ def parallel_implicit(c: Coupled, window: Window, how: Iteration) -> Outcome:
     if not converged:
         how.capped(window, changes)
     both(c, "accept")
-    outcome = Outcome(used, found, mapped, (c.points, points), (c.ghosts, ghosts), tuple(changes), converged)
-    c.accept(mapped, points, ghosts)
-    return outcome
+    return c.accept(used, found, mapped, points, ghosts, changes, converged)
 
 
 def both(c: Coupled, verb: str) -> None:
