@@ -13,15 +13,16 @@ from pathlib import Path
 
 import numpy as np
 from matplotlib.collections import LineCollection
-from scipy.interpolate import PchipInterpolator
 
 from shared.contract import BadInput, Frame
 from shared.drawing import FAINT, FONT_PT, INK, axes_at, largest_size, new_figure, save, si_scale
 from shared.geometry import outline
+from shared.motion_table import MotionTable
 from shared.probe_plots import draw_probes
 from shared.schema import Scene
 from shared.schema_fluid import Wall
 from shared.vtkhdf import read_frame
+from shared.wall_chains import segments_of
 
 __all__ = ["draw_last_frame", "draw_pictures", "draw_probes"]
 
@@ -119,19 +120,13 @@ def _solid_cloud(frame: Frame, scene: Scene, alone: bool) -> tuple[_Cloud, float
 
 def _wall_lines(wall: Wall, time: float) -> np.ndarray:
     """The wall's faces (k, 2, 2) [m] where its prescribed motion has brought them at `time` [s]."""
-    corners = np.array(wall.polyline)
-    if wall.closed:
-        corners = np.vstack([corners, corners[:1]])
-    motion = wall.motion
-    if motion is not None:
-        now = min(time, motion.times[-1])
-        if motion.rotation is not None:
-            angle = math.radians(PchipInterpolator(motion.times, motion.rotation)(now))
-            turn = np.array([[math.cos(angle), math.sin(angle)], [-math.sin(angle), math.cos(angle)]])
-            corners = motion.about + (corners - motion.about) @ turn
-        if motion.translation is not None:
-            corners = corners + PchipInterpolator(motion.times, motion.translation)(now)
-    return np.stack([corners[:-1], corners[1:]], axis=1)
+    faces = segments_of(wall)
+    if wall.motion is None:
+        return faces
+    table = MotionTable(wall.motion)
+    x, y, angle = table.displacements(np.array([time]))[0]
+    turn = np.array([[math.cos(angle), math.sin(angle)], [-math.sin(angle), math.cos(angle)]])
+    return table.about + (faces - table.about) @ turn + (x, y)
 
 
 def _length(position: np.ndarray) -> float:
