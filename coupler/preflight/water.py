@@ -13,6 +13,7 @@ from shared.fluid_step import COURANT, fluid_step
 from shared.geometry import contains, distance_to, outline
 from shared.kernels import kernel_named
 from shared.schema import Scene
+from shared.thin_walls import points_along
 from shared.wall_chains import lengths_of, segments_of
 
 MACH_AUTO = 0.1  # largest expected speed over the sound speed "auto"
@@ -172,15 +173,8 @@ def bottomless(scene: Scene) -> float:
 
 def edge_samples(bodies, dx: float) -> tuple[np.ndarray, np.ndarray]:
     """Points (n, 2) every dx or less along the outlines, and the outward normals there."""
-    points, normals = [], []
-    for start, end in np.concatenate([outline(body) for body in bodies]):
-        length = float(np.hypot(*(end - start)))
-        count = max(1, math.ceil(length / dx))
-        share = (np.arange(count) + 0.5)[:, None] / count
-        along = (end - start) / length
-        points.append(start + share * (end - start))
-        normals.append(np.tile([along[1], -along[0]], (count, 1)))
-    return np.concatenate(points), np.concatenate(normals)
+    points, inward = points_along(np.concatenate([outline(body) for body in bodies]), dx)
+    return points, -inward
 
 
 def _faces_behind(scene: Scene) -> list[np.ndarray]:
