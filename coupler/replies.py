@@ -7,8 +7,8 @@ import reprlib
 from collections.abc import Mapping
 from typing import Any
 
-from coupler.window import LAYERED
 from shared.contract import BadInput, ParticipantLost, SolverFailed
+from shared.schema_solid import PARTICLE_MODELS
 from shared.wire import BadMessage
 
 ROLES = {"fluid": "fluid", "solid": "structure"}
@@ -43,7 +43,7 @@ def _check_description(sender: str, info: Mapping[str, Any]) -> None:
     _check_map("numbers", numbers)
     needed = list(_NUMBERS[sender])
     needed += ["sound_speed"] if sender == "fluid" and "sound_speed" in numbers else []
-    needed += ["wave_speed"] if sender == "solid" and info["model"] in LAYERED else []
+    needed += ["wave_speed"] if sender == "solid" and info["model"] in PARTICLE_MODELS else []
     for key in needed:
         _need_positive(f"numbers.{key}", numbers.get(key))
     if unknown := info.keys() - {*_TEXTS, *_LENGTHS, "numbers"}:

@@ -13,6 +13,7 @@ from shared.contract import Description
 from shared.geometry import own_box
 from shared.schema import Scene
 from shared.schema_coupling import Coupling
+from shared.schema_solid import PARTICLE_MODELS
 
 LARGEST_ALPHA = 0.07
 """Largest α of an automatic window without iteration. On an absorbing column the serial protocol holds up to 2, 1.155
@@ -32,7 +33,6 @@ within the window, by a load −ρ_f c (v − v̄) with v̄ the mean of the wind
 there drops that strike the plate, which the lag shows a rigid wall, still make 9 and 12 % of the work by 0.5 s."""
 _STIFF = 0.1
 """Ratio of acoustic impedances ρ_f c/(ρ_s c_p) below which its neighbours hold a layer and it has no say."""
-LAYERED = ("total-lagrangian", "ctvf")  # models of which every layer of particles moves by itself
 _MOST_STEPS = 4
 """Fluid steps in an automatic window: enough to make the exchange cheap beside the steps, few enough to be accurate."""
 SPEED_UP = 0.2
@@ -88,7 +88,7 @@ def window_length(coupling: Coupling, fluid: Description, structure: Description
     rate = alpha_rate(fluid, structure)
     longest = largest_alpha(coupling.scheme, coupling.predictor) / rate if rate > 0.0 else math.inf
     layer = rate * structure.numbers["thickness"] / structure.spacing
-    if structure.model in LAYERED and layer * structure.spacing > _STIFF * structure.numbers["wave_speed"]:
+    if structure.model in PARTICLE_MODELS and layer * structure.spacing > _STIFF * structure.numbers["wave_speed"]:
         longest = min(longest, _LARGEST_LAYER_ALPHA / layer)
     return step * min(int(min(longest / step, _MOST_STEPS)), _MOST_STEPS) if longest > step else longest
 

@@ -21,8 +21,6 @@ REACTIONS = ("reaction-x", "reaction-y")
 SOLID_ONLY = ("strain-energy", "external-work", "dissipated", *MOMENTA, *REACTIONS, "spacing-max", *STRESSES)
 """Quantities of solid bodies alone, which not every model can express."""
 
-_BY_POINTS = ("displacement-x", "displacement-y", "kinetic-energy", "max-speed", *MOMENTA)
-_BY_LOADS = (*_BY_POINTS, "strain-energy", "external-work", "dissipated", *REACTIONS)
 _MOTION = ("displacement-x", "displacement-y", "kinetic-energy", "max-speed", *MOMENTA)
 _BALANCE = ("strain-energy", "external-work", "dissipated", *REACTIONS)
 _EXPRESSED = {

@@ -11,6 +11,7 @@ from shared.geometry import fill, outline
 from shared.scene_geometry import WANTED_ACROSS, WANTED_ANISOTROPY, WANTED_RATIO, across
 from shared.scene_models import MODEL_WARNINGS
 from shared.schema import Scene
+from shared.schema_solid import PARTICLE_MODELS
 from shared.thin_walls import THINNEST, thin_walls
 from shared.wall_chains import crowds
 
@@ -47,7 +48,7 @@ def _anisotropy(scene: Scene) -> Iterator[str]:
 
 
 def _thin(scene: Scene) -> Iterator[str]:
-    made_of_particles = scene.solid is not None and scene.solid.model in ("total-lagrangian", "ctvf")
+    made_of_particles = scene.solid is not None and scene.solid.model in PARTICLE_MODELS
     for i, body in enumerate(scene.solid.bodies if made_of_particles else []):
         count = across(body, scene.solid.dx)
         if count < WANTED_ACROSS:

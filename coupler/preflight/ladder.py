@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, field
-from typing import Literal, get_args
+from typing import Literal
 
 from coupler.preflight.afloat import afloat
 from coupler.preflight.cost import Cost, predicted_cost
@@ -25,8 +25,8 @@ from coupler.preflight.water import measure_water
 from shared.scene_checks import check_scene
 from shared.scene_models import FORCES
 from shared.schema import Scene
-from shared.schema_fluid import PARTICLE_FLUIDS, Fluid
-from shared.schema_solid import RIGID_MODELS, Solid
+from shared.schema_fluid import PARTICLE_FLUIDS
+from shared.schema_solid import RIGID_MODELS
 
 Standing = Literal["smallest", "enough", "not enough", "cannot"]
 
@@ -108,11 +108,11 @@ def _rungs(scene: Scene) -> tuple[tuple[str, list], tuple[str, list]]:
     """The models to try on each side; None alone for a side that is absent."""
     fluids, solids = [None], [None]
     if scene.fluid is not None:
-        fluids = [name for name in FLUIDS if name in get_args(Fluid.model_fields["model"].annotation)]
+        fluids = list(FLUIDS)
     if scene.solid is not None and scene.solid.model in RIGID_MODELS:
         solids = [scene.solid.model]
     elif scene.solid is not None:
-        solids = [name for name in SOLIDS if name in get_args(Solid.model_fields["model"].annotation)]
+        solids = list(SOLIDS)
     return ("fluid", fluids), ("solid", solids)
 
 

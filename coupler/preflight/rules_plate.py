@@ -7,7 +7,7 @@ from coupler.preflight.finding import Finding, above, below
 from coupler.preflight.numbers import Numbers
 from coupler.preflight.plate import of_a_body
 from shared.schema import Scene
-from shared.schema_solid import PARTICLE_MODELS
+from shared.schema_solid import PARTICLE_MODELS, RIGID_MODELS
 from shared.solid_step import LARGEST_UPDATED_COURANT, LATTICE_LIMIT, LATTICE_SHARE, UPDATED_COURANT
 
 SLENDER_WARN, SLENDER_REFUSE = 5.0, 3.0
@@ -19,7 +19,7 @@ EULER_SAID, EULER_WARN = 0.5, 0.9  # of Euler's load
 
 def slenderness(scene: Scene, n: Numbers) -> Finding | None:
     """Length over thickness of the plate, for the model beam."""
-    if n.plate is None or n.plate.model in ("rigid", "spring"):
+    if n.plate is None or n.plate.model in RIGID_MODELS:
         return None
     value = n.plate.length / n.plate.thickness
     if n.plate.model != "beam":
