@@ -37,7 +37,8 @@ class DelayLine:
         if k == 0:
             early = times[0] - time > _EARLY * np.ptp(times[:2])
             return (np.zeros_like(rows[0, 0]),) * 2 if early else (rows[0, 0].copy(), rows[0, 1].copy())
-        return _hermite((time - times[k - 1]) / (times[k] - times[k - 1]), times[k] - times[k - 1], rows[k - 1], rows[k])
+        step = times[k] - times[k - 1]
+        return _hermite((time - times[k - 1]) / step, step, rows[k - 1], rows[k])
 
     def value(self, time: np.ndarray, column: np.ndarray) -> np.ndarray:
         """f (m,) of the functions `column` (m,) at the times (m,), as `at` has it."""
