@@ -79,7 +79,7 @@ class GhostMotion:
 
 
 class WallMotion:
-    """A wall's prescribed motion: translation and rotation about a point, a monotone cubic through the table."""
+    """A wall's prescribed motion: translation and rotation about a point, by its table."""
 
     def __init__(self, motion: Motion, reference: np.ndarray, foot: np.ndarray, normal: np.ndarray):
         """`reference`, `foot` (n, 2) [m], `normal` (n, 2): of the wall's ghosts in the reference position."""

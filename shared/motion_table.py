@@ -1,13 +1,24 @@
-"""Prescribed rigid motion by a time table: translation, and rotation about a point, by a monotone cubic."""
+"""Prescribed rigid motion by a time table: translation, and rotation about a point.
+
+Between the table's times a cubic, with the rates of quartics through five of its points. It rises and falls only where
+the table does, so that what the table holds stands still; but where a table shows its turning points, by a curvature of
+one sign over two more steps on either side, the cubic turns as smoothly. Walls push water by their acceleration, and
+rates made zero there, as of a plain monotone cubic, leave accelerations 125 % off however fine the table. Of a sine
+with 20 and 40 points a period they are now 1.8 and 0.25 % of the largest off.
+"""
 
 from __future__ import annotations
 
 import numpy as np
-from scipy.interpolate import PchipInterpolator
+from scipy.interpolate import CubicHermiteSpline
 
 from shared.schema_geometry import Motion
 
 _SAMPLES = 1001  # times at which a motion's speed is looked at
+_POINTS = 5  # of the table through which a rate is taken
+_STEEPEST = 3.0  # rate over the lesser slope of both sides up to which a cubic rises only where its points do
+_ALIKE = 2.0  # factor within which curvatures of neighbours are those of one smooth turn
+_SLACK = 1.5  # rate over that of the parabolas up to which a turning point is taken as it comes
 
 
 class MotionTable:
@@ -19,7 +30,8 @@ class MotionTable:
         angle = np.zeros(count) if motion.rotation is None else np.radians(motion.rotation)
         self.about = np.asarray(motion.about, dtype=float)
         self._end = motion.times[-1]
-        self._curve = PchipInterpolator(motion.times, np.c_[shift, angle])
+        times, places = np.asarray(motion.times, dtype=float), np.c_[shift, angle]
+        self._curve = CubicHermiteSpline(times, places, _rates(times, places))
 
     def at(self, time: float) -> np.ndarray:
         """Displacement x, y [m] and angle [rad], their rates and their second rates, by row (3, 3), at `time` [s]."""
@@ -32,6 +44,40 @@ class MotionTable:
     def displacements(self, times: np.ndarray) -> np.ndarray:
         """Displacement x, y [m] and angle [rad], (k, 3), at `times` (k,) [s]."""
         return self._curve(np.minimum(times, self._end))
+
+
+def _rates(times: np.ndarray, values: np.ndarray) -> np.ndarray:
+    """Rates (n, m) of the `values` (n, m) at the `times` (n,) [s] (see the module's text; after Huynh 1993)."""
+    steps = np.diff(times)[:, None]
+    slope = np.diff(values, axis=0) / steps
+    curvature = np.zeros((len(times) + 2, values.shape[1]))  # of the parabolas, halved; none past the ends
+    curvature[2:-2] = np.diff(slope, axis=0) / (times[2:] - times[:-2])[:, None]
+    around = [curvature[k : k + len(steps)] for k in range(4)]
+    reach = np.minimum(steps, np.minimum(np.r_[steps[:1], steps[:-1]], np.r_[steps[1:], steps[-1:]]))
+    bend = reach * _least(0.5 * (around[1] + around[2]), *(_ALIKE * near for near in around))
+    turn = _least(np.r_[slope[:1] - bend[:1], slope + bend], np.r_[slope - bend, slope[-1:] + bend[-1:]])
+    monotone = _least(np.r_[slope[:1], slope], np.r_[slope, slope[-1:]])
+    most = np.maximum(_STEEPEST * np.abs(monotone), _SLACK * np.abs(turn))
+    return _least(_quartics(times, values), np.sign(turn) * most)
+
+
+def _least(*values: np.ndarray) -> np.ndarray:
+    """The one least in size where all have one sign, else 0."""
+    sign, size = np.sign(values), np.abs(values)
+    return np.where(np.all(sign == sign[0], axis=0), sign[0] * size.min(axis=0), 0.0)
+
+
+def _quartics(times: np.ndarray, values: np.ndarray) -> np.ndarray:
+    """Rates (n, m) at each time of the quartic through the five points around it, or of what fewer there are: a mean of
+    the slopes to the others, by Lagrange."""
+    own = np.arange(len(times))[:, None]
+    around = np.clip(own - _POINTS // 2, 0, max(len(times) - _POINTS, 0)) + np.arange(min(_POINTS, len(times)))
+    others = around[around != own].reshape(len(times), -1)
+    away = times[others] - times[own]
+    apart = away[:, None] - away[:, :, None]
+    same = np.eye(away.shape[1], dtype=bool)
+    share = np.prod(np.where(same, 1.0, away[:, None] / np.where(same, 1.0, apart)), axis=2)
+    return np.einsum("ij,ijk->ik", share / away, values[others] - values[own])
 
 
 def largest_speed(motion: Motion, corners: np.ndarray) -> float:

@@ -81,7 +81,9 @@ FaceName = Literal["left", "right", "bottom", "top"]
 
 
 class Motion(Table):
-    """Prescribed motion by a time table, interpolated by a monotone cubic, held after its last time."""
+    """Prescribed motion by a time table, held after its last time. Between the times a cubic, which rises and falls
+    only where the table does, but turns smoothly where the table shows how, by two steps or more on either side of a
+    turning point: 20 points a period of a sine make accelerations 2 % off, 40 make 0.3 %."""
 
     times: list[float] = key(unit="s", about="increasing times, the first 0", min_length=2)
     translation: list[Pair] | None = key(None, unit="m", about="displacement at each time")
