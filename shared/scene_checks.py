@@ -118,6 +118,23 @@ def _clamps_and_loads(scene: Scene) -> Iterator[str]:
                 if entry.face not in named:
                     wrong = f"{path}.face = \"{entry.face}\": body '{entry.body}' has no such face"
                     yield wrong + suggest(entry.face, named)
+    yield from _held_twice(scene)
+
+
+def _held_twice(scene: Scene) -> Iterator[str]:
+    """Clamps on a part of a body's outline that another holds: its fixed points would stand there twice."""
+    bodies = {body.name: body for body in scene.solid.bodies or [] if has_shape(body)}
+    held: dict[tuple, int] = {}
+    for i, clamp in enumerate(scene.solid.clamps or []):
+        named = faces(bodies[clamp.body]) if clamp.body in bodies and area(bodies[clamp.body]) > 0.0 else {}
+        parts = [(clamp.body, *part.flat) for part in named.get(clamp.face, ())]
+        first = next((held[part] for part in parts if part in held), None)
+        if first is not None:
+            yield (
+                f"solid.clamps[{i}].face = \"{clamp.face}\": this face of body '{clamp.body}' is held by "
+                f"solid.clamps[{first}] already; leave one of them out"
+            )
+        held |= dict.fromkeys(parts, i)
 
 
 def _probes(scene: Scene) -> Iterator[str]:

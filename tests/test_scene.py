@@ -94,6 +94,7 @@ WRONG = {
     "solid.dx=1e-9": "the limit is",
     "solid.clamps=[]": "body 'plate' has no clamp",
     "solid.clamps.0.face=botom": "no such face; did you mean 'bottom'?",
+    "solid.clamps=[{ body='plate', face='top' }, { body='plate', face='top' }]": "is held by solid.clamps[0] already",
     "solid.bodies.plate.rectangle=[0.497, 0, 0.6, 0.3]": "'plate' overlaps fluid.bodies[0], 'water', near",
     "walls.tank.name=water": "already the name of fluid.bodies[0]",
     "walls.tank.polyline=[[1, 1], [1, 0], [0, 0], [0, 1]]": "walk the polyline with the fluid on its left",
