@@ -141,6 +141,13 @@ def test_slopes_and_decays_of_a_structure_have_no_bound(statistic):
     assert all(f"no bound is known of a structure's {statistic}" in r.reason for r in rungs if r.standing != "cannot")
 
 
+def test_a_displacement_at_a_clamp_has_no_bound():
+    """A beam's, with ν = 0, was called small enough: not a number is above no goal."""
+    rungs = ladder(load_scene("udl_beam", ["probes.mid_y.point=[0.0, 0.006]"]))
+    assert smallest(rungs) is None
+    assert all("its point is held by a clamp" in r.reason for r in rungs if r.standing != "cannot")
+
+
 @pytest.mark.parametrize(("mode", "refused"), [(1, True), (2, False)])
 def test_a_period_needs_two_of_them(mode, refused):
     """The second mode swings 6.27 times as fast."""

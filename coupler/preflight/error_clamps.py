@@ -58,6 +58,11 @@ def clamps_width(scene: Scene, plate: Plate) -> float:
     return width * _counts(scene, plate, plates_body(scene, plate))
 
 
+def never_moves(scene: Scene, plate: Plate) -> bool:
+    """Whether the goal is a displacement where a clamp holds the body."""
+    return _counts(scene, plate, plates_body(scene, plate)) == math.inf
+
+
 def _counts(scene: Scene, plate: Plate, body: Body) -> float:
     """By how much more what a clamp gives way counts in the goal than in the largest deflection."""
     probe = goals_probe(scene)

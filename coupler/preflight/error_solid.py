@@ -32,7 +32,7 @@ from __future__ import annotations
 
 import math
 
-from coupler.preflight.error_clamps import clamps_slip, clamps_width
+from coupler.preflight.error_clamps import clamps_slip, clamps_width, never_moves
 from coupler.preflight.error_sudden import PEAKS, jumps, sudden_error
 from coupler.preflight.finding import STEADY
 from coupler.preflight.held import lengthwise
@@ -144,6 +144,8 @@ def not_bounded(scene: Scene, n: Numbers) -> str:
         return ""
     if what in UNBOUNDED and n.plate.model not in RIGID_MODELS:
         return f"no bound is known of a structure's {what}; a mean, peak or period has one"
+    if never_moves(scene, n.plate):
+        return "its point is held by a clamp: of a displacement that is nothing there is no relative error"
     if n.plate.squeeze >= 1.0:
         return f"pressed by {n.plate.squeeze:.3g} of Euler's load it buckles, and small differences decide how far"
     if jumps(scene, n.plate):
