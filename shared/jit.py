@@ -15,6 +15,8 @@ from __future__ import annotations
 import hashlib
 import os
 import re
+import sys
+import tempfile
 from pathlib import Path
 
 import numba
@@ -54,13 +56,37 @@ def source_digest(root: Path) -> str:
     return digest.hexdigest()[:16]
 
 
-def _cache_folder() -> str:
-    base = os.environ.get("XDG_CACHE_HOME") or str(Path.home() / ".cache")
-    return str(Path(base) / "shearwater" / source_digest(Path(__file__).resolve().parent.parent))
+def cache_folder(digest: str) -> Path:
+    """Where code compiled of sources of this `digest` is kept. Where the user's own place cannot be written, numba
+    would keep it among the sources, and look at each file's date alone, or refuse: then it is one for temporary files,
+    told of and handed on to the processes that this one starts."""
+    given = os.environ.get("NUMBA_CACHE_DIR")
+    try:
+        folder = Path(given or Path(os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache", "shearwater", digest))
+        _try_to_write(folder)
+    except (OSError, RuntimeError) as error:  # the latter: a user without a home
+        own = Path(tempfile.gettempdir(), f"shearwater-{os.getuid()}")
+        own.mkdir(mode=0o700, exist_ok=True)
+        if own.lstat().st_uid != os.getuid():  # what others have written there is not to be run
+            raise PermissionError(f"{own} is another user's: NUMBA_CACHE_DIR names another place") from None
+        folder = own / digest
+        _try_to_write(folder)
+        print(
+            f"warning: compiled code is kept in {folder}, for its own place cannot be written ({error}); "
+            "NUMBA_CACHE_DIR names another",
+            file=sys.stderr,
+        )
+        os.environ["NUMBA_CACHE_DIR"] = str(folder)
+    return folder
 
 
-if "NUMBA_CACHE_DIR" not in os.environ:
-    numba.config.CACHE_DIR = _cache_folder()
+def _try_to_write(folder: Path) -> None:
+    folder.mkdir(parents=True, exist_ok=True)
+    with tempfile.TemporaryFile(dir=folder):
+        pass
+
+
+numba.config.CACHE_DIR = str(cache_folder(source_digest(Path(__file__).resolve().parent.parent)))
 # OpenMP first. Threads that wait spin for some microseconds, the pause between two loops of a small scene, and then
 # sleep: on a busy machine two that spin on are slower than one, up to 50 times, and an idle side of a coupled run would
 # take a core from the other. 3000 rounds against none: 4,000 solid particles on two threads run 1.8 times as fast, and

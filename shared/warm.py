@@ -77,7 +77,7 @@ def fill_cache(packages: Mapping[str, str], case: Path, scene: Scene) -> None:
 
 
 def _try_room() -> None:
-    """See that the disk of the cache is not full; where it cannot be written for other reasons numba does without."""
+    """See that the disk of the cache is not full."""
     folder = Path(numba.config.CACHE_DIR)
     try:
         folder.mkdir(parents=True, exist_ok=True)
