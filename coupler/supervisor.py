@@ -16,6 +16,7 @@ from coupler.remote import Remote, RemoteError
 from shared.awake import Halt
 from shared.contract import BadInput, ParticipantLost, SolverFailed
 from shared.link_zenoh import ZenohLink, listening
+from shared.unwritable import met_limit
 
 PACKAGES = {"fluid": "fluid_solver", "solid": "solid_solver"}
 """Package of each side's solver."""
@@ -113,6 +114,8 @@ def solver_processes(
                     pass_fds=(claim,),
                 )
             except OSError as error:
+                if met_limit(error):
+                    raise
                 how = f"The {name} side's command {shlex.join(program)} cannot be started: {error.strerror}."
                 raise BadInput(how) from None
             solver = Solver(name, process, log)

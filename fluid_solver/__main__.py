@@ -1,14 +1,14 @@
 """`python -m fluid_solver`, and the command `fluid-solver`."""
 
-from shared.start import end_quietly_while_loading
+from shared.start import loading
 from shared.streams import open_streams
 
 
 def main() -> None:
     """Entry point."""
     open_streams()
-    end_quietly_while_loading()
-    from fluid_solver.cli import main as run  # loads for a second or two
+    with loading():
+        from fluid_solver.cli import main as run  # loads for a second or two
 
     run()
 

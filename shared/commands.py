@@ -21,7 +21,7 @@ from shared.schema import Scene
 from shared.start import INTERRUPTED, on_stop_signals
 from shared.stopping import STOP, ask_once_more
 from shared.streams import lost_output
-from shared.unwritable import out_of_memory
+from shared.unwritable import met_limit
 
 Case = Annotated[str, typer.Argument(help="A scene file, or the name of a shipped case.", show_default=False)]
 Out = Annotated[Path | None, typer.Option(help="Run directory to make; default runs/CASE.", show_default=False)]
@@ -53,11 +53,12 @@ def run_app(app: typer.Typer) -> None:
     except ShearwaterError as error:
         _say(f"error: {error}")
         code = error.exit_code
-    except MemoryError as error:
-        _say(f"error: {out_of_memory(error)}")
-        code = 3
-    except OSError as error:
-        _say(f"error: {error}; check the disk's free space and the rights on the run directory, then run again")
+    except (OSError, MemoryError, RuntimeError) as error:
+        limit = met_limit(error)
+        if limit is None and not isinstance(error, OSError):
+            raise
+        check = f"{error}; check the disk's free space and the rights on the run directory, then run again"
+        _say(f"error: {limit or check}")
         code = 3
     if not code and (lost := lost_output()):
         _say(f"error: not all could be printed ({lost}); free some space there and ask again (of a run all is kept)")

@@ -17,7 +17,7 @@ from shared.results import environment, make_result, write_result
 from shared.scene import dump_scene
 from shared.schema import Scene
 from shared.stopping import STOP
-from shared.unwritable import cannot_write
+from shared.unwritable import cannot_write, met_limit
 
 _OF_THE_SYSTEM = re.compile(r"\[Errno \d+\]")
 
@@ -144,6 +144,7 @@ def _status(error: BaseException | None) -> tuple[str, str]:
         return "finished", ""
     if isinstance(error, KeyboardInterrupt):
         return "interrupted", "interrupted by the user"
+    error = met_limit(error) or error
     text = str(error) if isinstance(error, (ShearwaterError, OSError)) else f"{type(error).__name__}: {error}"
     return "lost" if of_the_machine(error) else "failed", text
 
@@ -151,4 +152,5 @@ def _status(error: BaseException | None) -> tuple[str, str]:
 def of_the_machine(error: BaseException) -> bool:
     """Whether a run ended by its machine, and not by what was computed."""
     # What the system refused a solver comes as words, which hold its number.
-    return isinstance(error, (ParticipantLost, OSError, MemoryError)) or bool(_OF_THE_SYSTEM.search(str(error)))
+    refused = met_limit(error) or error
+    return isinstance(refused, (ParticipantLost, OSError)) or bool(_OF_THE_SYSTEM.search(str(refused)))

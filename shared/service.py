@@ -12,7 +12,7 @@ import numpy as np
 from shared.clock import Clock, Window
 from shared.contract import Kinematics, Loads, ShearwaterError, exchange_fields
 from shared.participant import Participant, kinematics_shapes
-from shared.unwritable import out_of_memory
+from shared.unwritable import met_limit
 from shared.wire import BadMessage, Message, check_envelope, check_fields, decode, encode
 
 log = logging.getLogger("shearwater")
@@ -66,8 +66,7 @@ class Service:
         except Exception as error:
             log.error("%s", traceback.format_exc())
             kind = type(error).__name__
-            out = isinstance(error, MemoryError)
-            what = out_of_memory(error) if out else f"internal error, {kind}: {error} (see this side's log)"
+            what = met_limit(error) or f"internal error, {kind}: {error} (see this side's log)"
             return self._refusal(request, kind, f"{self.participant.name}: {what}", 3)
 
     def _reply(self, request: Message | None, verb: str, info: dict, fields: dict) -> bytes:

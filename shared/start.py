@@ -1,9 +1,13 @@
-"""The first lines of every command: until the libraries are loaded, Ctrl-C ends it at once and without a traceback."""
+"""The first lines of every command: until the libraries are loaded, Ctrl-C ends it at once and without a traceback, and
+a machine that cannot load them is told of in a sentence."""
 
 from __future__ import annotations
 
+import contextlib
 import os
 import signal
+import sys
+from collections.abc import Iterator
 
 INTERRUPTED = 130
 STOP_SIGNALS = [getattr(signal, name) for name in ("SIGINT", "SIGTERM", "SIGHUP") if hasattr(signal, name)]
@@ -17,6 +21,16 @@ def on_stop_signals(handler) -> None:
             signal.signal(number, handler)
 
 
-def end_quietly_while_loading() -> None:
-    """To be called before the libraries are imported; `run_app` takes over the signals afterwards."""
+@contextlib.contextmanager
+def loading() -> Iterator[None]:
+    """Context in which the libraries are imported; `run_app` takes over the signals afterwards."""
     on_stop_signals(lambda number, frame: os._exit(INTERRUPTED))
+    try:
+        yield
+    except (ImportError, OSError, MemoryError) as error:
+        print(
+            f"error: this program cannot be loaded ({error or type(error).__name__}): it may lack memory (ulimit -v), "
+            "open files (ulimit -n), or a part that was not installed: pip install it again",
+            file=sys.stderr,
+        )
+        sys.exit(3)

@@ -5,6 +5,7 @@ Exit codes: 2 bad input, 3 a solver failed. All through the command lines of the
 
 from __future__ import annotations
 
+import errno
 import json
 import os
 import resource
@@ -17,7 +18,7 @@ import pytest
 import coupler.cli
 import fluid_solver.cli
 import shared.commands
-import shared.solver_cli
+import shared.solo
 import solid_solver.cli
 from coupler.report import write_report
 from shared.results import read_result
@@ -224,21 +225,41 @@ def test_full_disk(tmp_path, program):
     assert json.loads((tmp_path / "out" / "result.json").read_text())["status"] == "lost"
 
 
-def test_no_memory_left(command, monkeypatch):
-    def too_large(*_):
-        raise MemoryError("Unable to allocate 497. MiB")
+@pytest.mark.parametrize(
+    ("error", "words"),
+    [
+        (MemoryError("Unable to allocate 497. MiB"), "memory (Unable to allocate 497. MiB): a larger fluid.dx"),
+        (RuntimeError("can't start new thread"), "new thread): end other programs, or allow more processes"),
+        (BlockingIOError(errno.EAGAIN, "Try again"), "Try again: end other programs, or allow more processes"),
+        (OSError(errno.EMFILE, "Too many open files", "x"), "open files: 'x': end other programs, or allow more"),
+    ],
+)
+def test_no_memory_left(command, monkeypatch, tmp_path, error, words):
+    """Nor processes, threads, open files: none of them is what a full disk is, nor what was computed."""
 
-    monkeypatch.setattr(shared.solver_cli, "run_alone", too_large)
-    code, errors = command("fluid_solver", "dam_break")
-    assert code == 3
-    assert "Cannot allocate memory (Unable to allocate 497. MiB): a larger fluid.dx" in errors
+    def refused(*_):
+        raise error
+
+    monkeypatch.setattr(shared.solo, "fill_cache", refused)
+    code, errors = command("fluid_solver", "dam_break", "--out", tmp_path / "run")
+    assert (code, words in errors) == (3, True), errors
+    result = read_result(tmp_path / "run")
+    assert (result["status"], words in result["reason"]) == ("lost", True)
+
+
+def test_a_program_that_cannot_be_loaded_says_so():
+    lines = "from shared.start import loading\nwith loading():\n    import shared.nothing_of_the_kind"
+    done = subprocess.run([sys.executable, "-c", lines], capture_output=True, text=True, timeout=60)
+    assert done.returncode == 3
+    assert "cannot be loaded (No module named 'shared.nothing_of_the_kind')" in done.stderr
+    assert "Traceback" not in done.stderr
 
 
 LOADING = """
 import signal, sys
-from shared.start import end_quietly_while_loading
-end_quietly_while_loading()
-signal.raise_signal(signal.{})
+from shared.start import loading
+with loading():
+    signal.raise_signal(signal.{})
 print("still here")
 """
 
