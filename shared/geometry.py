@@ -63,7 +63,7 @@ def fill(shape: Shape, dx: float, margin: float = 0.0) -> Particles:
         length = upper[axis] - lower[axis]
         count = max(1, math.floor(length / dx + 0.5))
         spacing.append(float(length / count))
-        around = math.ceil(margin * count / length)
+        around = math.ceil(margin * count / length) if margin else 0  # an empty shape has no length
         centres.append(lower[axis] + (np.arange(-around, count + around) + 0.5) * (length / count))
     x, y = np.meshgrid(*centres)
     position = turn(np.c_[x.ravel(), y.ravel()], shape.rotate)
