@@ -76,7 +76,8 @@ def _allowed(annotation: Any, metadata: Iterable[Any]) -> str:
     if annotation is bool:
         return "true or false"
     if annotation is str:
-        return "text" if not any(hasattr(m, "pattern") for m in metadata) else "a letter, then letters, digits, _ or -"
+        named = any(hasattr(m, "pattern") for m in metadata)
+        return "a letter, then up to 99 letters, digits, _ or -" if named else "text"
     return _range("whole number" if annotation is int else "number", metadata)
 
 

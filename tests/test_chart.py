@@ -122,6 +122,10 @@ def test_every_mistake_of_a_study_is_reported(case):
     assert "solid.dx = -1" in str(error.value)
 
 
+def test_a_family_of_any_name_has_folders(case):
+    assert all(len(v.folder) < 120 for v in study_variants(case, [f"study.families[0].name={300 * 'x'}"]))
+
+
 @pytest.mark.parametrize("name", [name for name, path in shipped_cases().items() if "[study]" in path.read_text()])
 def test_shipped_studies_hold_valid_scenes_and_each_once(name):
     variants = study_variants(name)

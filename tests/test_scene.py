@@ -86,6 +86,7 @@ WRONG = {
     'fluid.dx="0.01"': 'fluid.dx = "0.01": must be a number > 0 [m]',
     "fluid.dx=nan": "must be a number > 0 [m]",
     "domain=3": 'domain = 3: must be { lower, upper } or "auto"',
+    "probes.tip.name=" + 101 * "p": "must be a letter, then up to 99 letters, digits, _ or -",
     "walls={}": "walls: must be a list of tables; write [[walls]]",
     "fluid.bodies.water.rectangle=[1, 0, 0, 1]": "needs x0 < x1 and y0 < y1",
     "fluid.bodies.water.circle={ centre = [0, 0], radius = 1 }": "fluid.bodies[0]: give exactly one of",

@@ -14,6 +14,7 @@ from shared.schema import Scene
 
 _SPACING = re.compile(r"^(fluid|solid)\.dx\s*=")
 _HASH_DIGITS = 8
+_LONGEST_NAME = 100  # of a family, in its runs' folders
 
 
 @dataclass(frozen=True)
@@ -75,5 +76,5 @@ def _variant(case: str, family: str, own: tuple[str, ...], changes: tuple[str, .
         series=f"{family} {others}".strip(),
         sets=changes,
         scene=scene,
-        folder=re.sub(r"[^A-Za-z0-9]+", "-", family).strip("-") + "-" + digest,
+        folder=re.sub(r"[^A-Za-z0-9]+", "-", family).strip("-")[:_LONGEST_NAME] + "-" + digest,
     )
