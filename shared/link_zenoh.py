@@ -61,8 +61,9 @@ def _key(run: str, name: str, topic: str) -> str:
     return f"shearwater/{run}/{name}/{topic}"
 
 
-def _config(mode: str, where: str, endpoint: str) -> zenoh.Config:
-    """No scouting, no shared memory, one endpoint; a pause does not end the connection."""
+def _config(mode: str, where: str, endpoint: str, patience: float) -> zenoh.Config:
+    """No scouting, no shared memory, one endpoint, to be reached within `patience` [s]; a pause does not end the
+    connection."""
     config, queue = zenoh.Config(), "transport/link/tx/queue"
     settings = {
         "mode": f'"{mode}"',
@@ -73,7 +74,7 @@ def _config(mode: str, where: str, endpoint: str) -> zenoh.Config:
         "transport/shared_memory/enabled": "false",
         "transport/link/tx/lease": f"{1e3 * _LEASE_S:.0f}",  # ms
         f"{queue}/congestion_control/block/wait_before_close": f"{1e6 * _STALLED_READER_S[mode]:.0f}",  # µs
-        "connect/timeout_ms": str(int(_CONNECT_TIMEOUT_S * 1e3)),
+        "connect/timeout_ms": f"{1e3 * patience:.0f}",
         "connect/exit_on_failure": "true",
     }
     for name, value in settings.items():
@@ -97,7 +98,7 @@ def listening(run: str, endpoint: str | None = None) -> Iterator[tuple[zenoh.Ses
         chosen = endpoint or free_endpoint()
         attempts -= 1
         try:
-            session = zenoh.open(_config("peer", "listen/endpoints", chosen))
+            session = zenoh.open(_config("peer", "listen/endpoints", chosen, _CONNECT_TIMEOUT_S))
         except zenoh.ZError as error:
             if attempts == 0:
                 raise ParticipantLost(f"cannot listen on {chosen}: {error}") from None
@@ -253,19 +254,21 @@ def serve(
     run: str,
     name: str,
     service: Service,
+    attended: bool = False,
 ) -> None:
     """Answer the coupler's requests until the participant has finished; raises ParticipantLost when the coupler is
     gone.
 
-    The number of steps is sent as heartbeat.
+    The number of steps is sent as heartbeat. `attended`: this process ends with the coupler, which may pause, also
+    before it is reached, for as long as it likes.
     """
-    participant = service.participant
+    participant, patience = service.participant, _LEASE_S if attended else _CONNECT_TIMEOUT_S
     set_slice(SHORTEST)
     try:
-        session = zenoh.open(_config("client", "connect/endpoints", endpoint))
+        session = zenoh.open(_config("client", "connect/endpoints", endpoint, patience))
     except zenoh.ZError as error:
         raise ParticipantLost(
-            f"cannot reach a coupler at {endpoint} within {_CONNECT_TIMEOUT_S:g} s: {error} "
+            f"cannot reach a coupler at {endpoint} within {patience:g} s: {error} "
             "(a refused password or certificate shows as this time-out too)"
         ) from None
     if isinstance(participant.model, EarlyModel):

@@ -107,7 +107,7 @@ def solver_app(side: str, factory: Factory) -> typer.Typer:
         model = factory(scene, True, threads)
         participant = Participant(model, side, out, own_faces(scene, model))
         try:
-            serve(connect, run, side, Service(participant, run))
+            serve(connect, run, side, Service(participant, run), attended=parent is not None)
         finally:
             participant.close()
 

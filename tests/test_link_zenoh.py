@@ -12,7 +12,7 @@ from coupler.remote import Remote
 from shared import link_zenoh
 from shared.clock import Clock
 from shared.contract import Loads, ParticipantLost
-from shared.link_zenoh import ZenohLink, listening, serve
+from shared.link_zenoh import ZenohLink, free_endpoint, listening, serve
 from shared.participant import Participant
 from shared.service import Service
 from shared.wire import BadMessage
@@ -22,9 +22,9 @@ def alive():
     """A process that is never seen to die."""
 
 
-def serving(endpoint, participant, failures):
+def serving(endpoint, participant, failures, attended=False):
     try:
-        serve(endpoint, "run", "solid", Service(participant, "run"))
+        serve(endpoint, "run", "solid", Service(participant, "run"), attended)
     except ParticipantLost as error:
         failures.append(str(error))
 
@@ -61,6 +61,22 @@ def test_participant_ends_when_the_coupler_goes(toy_spring):
     thread.join(20.0)
     assert not thread.is_alive()
     assert "coupler is gone" in failures[0]
+
+
+@pytest.mark.timeout(60)
+@pytest.mark.parametrize("attended", [True, False])
+def test_a_coupler_that_pauses_before_it_is_reached_is_waited_for(toy_spring, monkeypatch, attended):
+    monkeypatch.setattr(link_zenoh, "_CONNECT_TIMEOUT_S", 0.3)
+    failures, endpoint = [], free_endpoint()
+    participant = Participant(toy_spring(), "solid")
+    thread = threading.Thread(target=serving, args=(endpoint, participant, failures, attended))
+    thread.start()
+    time.sleep(0.6)
+    if attended:
+        with listening("run", endpoint) as (session, _):
+            ZenohLink(session, "run", "solid", alive, stall_after=20.0).wait_connected(10.0)
+    thread.join(20.0)
+    assert ("coupler is gone" if attended else "cannot reach a coupler") in failures[0]
 
 
 @pytest.mark.timeout(60)
