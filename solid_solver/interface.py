@@ -8,7 +8,9 @@ import numpy as np
 
 from shared.contract import Description, Kinematics
 from shared.geometry import own_box
+from shared.limbs import thickness_of
 from shared.schema import Scene
+from shared.schema_solid import RIGID_MODELS
 from shared.solid_step import wave_speed
 from solid_solver.bodies import LatticeBody
 from solid_solver.filled import FilledBody
@@ -22,8 +24,11 @@ def damped_kick(damping: float, tau: float) -> tuple[float, float]:
 
 
 def thickness(scene: Scene) -> float:
-    """Smallest extent of the bodies' bounding boxes, in their own frames [m]."""
-    return min(float(np.min(upper - lower)) for lower, upper in map(own_box, scene.solid.bodies))
+    """Least thickness of the bodies [m]: of their limbs, or of rigid ones the smaller side of the bounding box in their
+    own frames."""
+    if scene.solid.model in RIGID_MODELS:
+        return min(float(np.min(upper - lower)) for lower, upper in map(own_box, scene.solid.bodies))
+    return min(thickness_of(body) for body in scene.solid.bodies)
 
 
 def describe(scene: Scene, bodies: list[LatticeBody], stable_step: float) -> Description:

@@ -38,6 +38,10 @@ def test_no_false_alarm_on_a_shipped_case(case):
     assert {rule for rule, verdict in verdicts(case).items() if verdict != "ok"} == set()
 
 
+ARCH = (
+    'solid.bodies=[{ name = "beam", difference = [{ rectangle = [0.0, 0.0, 0.2, 0.012] }, '
+    "{ rectangle = [0.02, 0.0, 0.18, 0.0055] }] }]"
+)
 TRIPPED = (
     ("mach", "dam_break", ["fluid.sound_speed=10"], "Mach", "warn"),
     ("mach", "dam_break", ["fluid.sound_speed=4"], "Mach", "refuse"),
@@ -85,6 +89,7 @@ TRIPPED = (
     ("periods_seen", "oscillating_plate", ["goal.statistic=period", "end_time=0.4"], "periods seen", "refuse"),
     ("filled_area", "submerged_block", ["solid.bodies=[{ name='block', circle={ centre=[0.2, 0.16], radius=0.02 } }]",
                                         "solid.dx=0.014"], "filled area", "warn"),
+    ("filled_limbs", "udl_beam", [ARCH], "filled limbs", "warn"),
     ("steps", "udl_beam", ["end_time=1e5"], "steps", "warn"),
     ("steps", "dam_break", ["end_time=1e32"], "steps", "refuse"),
     ("printed_gradient", "udl_beam", ["solid.model=ctvf", "solid.gradient=printed"], "gradient order", "warn"),

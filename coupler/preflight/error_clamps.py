@@ -5,7 +5,7 @@ as thick, 4 to 20 particles across, ν 0 to 0.49; x = clamps × dx/L, t thicknes
 
     of particles   give way within about a particle: (0.6 + 1.45 ν) x + 9 x² of clamped ends; (0.25 + 0.1 ν) dx/t of a
                    long face, which counts as an end, x = dx/t, where water pushes along it; 1.2 dx/t where they hold a
-                   part of a side (ledges of 1 to 6 particles)
+                   part of a side (ledges of 1 to 6 particles); corners that the limbs of a frame go round count as ends
     of a beam      hold its section's width too: 0.42 ν²/(1 − ν) t/L per clamp
 
 of the largest deflection. It goes as the distance s from the clamp where the deflection goes as s²: 1/(ξ(2 − ξ)) times
@@ -18,6 +18,7 @@ import math
 
 from coupler.preflight.held import FACES_OF_AXIS, held_in_part, held_sides, lengthwise
 from coupler.preflight.plate import Plate, goals_probe, plates_body
+from shared.limbs import limbs
 from shared.regions import axes_of, own_box, turn
 from shared.schema import Scene
 from shared.schema_geometry import Body
@@ -34,7 +35,9 @@ def clamps_slip(scene: Scene, plate: Plate) -> float:
     """Of particles: clamps that give way."""
     body, nu, dx = plates_body(scene, plate), scene.solid.poisson_ratio, scene.solid.dx
     parts = held_in_part(scene, body)
-    share, flat = plate.clamps * dx / plate.length, len(held_sides(scene, body)) - plate.clamps - parts
+    made_of = limbs(body)
+    joints = plate.clamps + (made_of.corners if made_of else 0)
+    share, flat = joints * dx / plate.length, len(held_sides(scene, body)) - plate.clamps - parts
     if flat and _sheared(scene, plate, body):  # such a face is an end
         share, flat = share + flat * dx / plate.thickness, 0
     ends = (SLIP[0] + SLIP[1] * nu) * share + SLIP[2] * share**2
@@ -78,11 +81,11 @@ def _counts(scene: Scene, plate: Plate, body: Body) -> float:
 
 def _from_clamps(scene: Scene, body: Body, point: tuple[float, float]) -> float | None:
     """Distance of a point from the nearest clamped end over the way to where the body bends most, at most 1; None
-    where nothing holds its ends, or a clamp moves it."""
+    where nothing holds its ends, a clamp moves it, or its limbs lead round corners."""
     axis, _, length = lengthwise(body)
     ends = [FACES_OF_AXIS[axis].index(side) for side in held_sides(scene, body) if side in FACES_OF_AXIS[axis]]
     moved = any(clamp.motion is not None for clamp in scene.solid.clamps if clamp.body == body.name)
-    if not ends or moved:
+    if not ends or moved or limbs(body) is not None:
         return None
     box, along = own_box(body), float(turn(point, body.rotate, backward=True)[axis])
     nearest = min(abs(along - float(box[end][axis])) for end in ends)

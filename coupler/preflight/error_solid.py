@@ -11,7 +11,8 @@ found; n particles across, t/L thickness over length, ν Poisson's ratio, dx spa
     ctvf               (0.15 + 0.15 ν)/n quadratic, 5/n² linear, 4.5/n printed gradient
     both               at least their clamps             udl_beam, hydrostatic_plate, a dam of gel as wide as high
     all                + what particles hold of a body's area too much or too little (disc: 2 % at 10 across), or of
-                       a spun one's inertia; a peak between two rows of probes
+                       a spun one's inertia; what a lattice that does not fit the limbs of a frame makes of their
+                       bending (a tee's stem of 3 in place of 4: 115 %); a peak between two rows of probes
     clamps, peaks of what comes at once                  error_clamps.py, error_sudden.py
 
 A force that presses a cantilever by a share s of Euler's load makes all of this count 1/(1 − s) times; past 1 it
@@ -40,6 +41,7 @@ from coupler.preflight.numbers import Numbers
 from coupler.preflight.plate import Plate, goals_quantity, of_a_body, plates_body
 from coupler.preflight.shapes import FEW, excess, excess_of_inertia
 from coupler.preflight.swing import swing
+from shared.limbs import bearing
 from shared.regions import axes_of
 from shared.scene_models import STRESSES
 from shared.schema import Scene
@@ -90,6 +92,8 @@ def of_structure(scene: Scene, n: Numbers) -> float:
     else:
         base, slope = LAGRANGIAN if plate.model == "total-lagrangian" else UPDATED
         bound = max((base + slope * nu) / plate.across, clamps_slip(scene, plate))
+    if plate.model != "beam":
+        bound += abs(bearing(plates_body(scene, plate), solid.dx))
     bound *= (0.5 if what in TIMES else SHORTENED if _shortens(scene, plate) else 1.0) / min(1.0 - plate.squeeze, 1.0)
     bound += _stepped(scene, plate) if what in (*TIMES, *PEAKS) else 0.0
     return bound + filled + sudden_error(scene, plate) + seen_late

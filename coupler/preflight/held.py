@@ -2,7 +2,8 @@
 
 A body that all pushes along its length stretches, as a bar; one that is held on a long face shears over its thickness
 or, pushed straight at it, is pressed; others bend, as thin beams. A force N along a cantilever (a weight W counts as
-0.315 W at its tip) changes its bending stiffness by 1 + N/N_E, N_E = π² D/(4 L²) Euler's load.
+0.315 W at its tip) changes its bending stiffness by 1 + N/N_E, N_E = π² D/(4 L²) Euler's load. A body made of limbs,
+a frame or a ring (shared/limbs.py), bends as a beam of their thickness and of the length of all of them.
 """
 
 from __future__ import annotations
@@ -11,15 +12,18 @@ import math
 
 import numpy as np
 
-from shared.regions import axes_of, own_box
+from shared.limbs import limbs
+from shared.regions import axes_of, faces, own_box
 from shared.schema import Scene
 from shared.schema_geometry import Body
-from shared.schema_solid import Load
+from shared.schema_solid import RIGID_MODELS, Load
 from shared.solid_step import first_frequency, lame, wave_speed
 
 FACES_OF_AXIS = (("left", "right"), ("bottom", "top"))
 _WHOLE = 0.99  # of a side, from which an edge of a polygon is that side
 _ALONG = 1e-9  # of a push, that may point elsewhere
+_END = 1.5  # of the thickness of a body's limbs: a face no longer than this ends one
+END = "end"
 LEAST_LEFT = 0.01  # of the bending stiffness of a cantilever that is pressed along its length, for estimates
 _WEIGHT = 0.315  # a cantilever buckles under 7.837 D/L² of its own weight, under π²/4 at its tip
 
@@ -31,9 +35,33 @@ def lengthwise(body: Body) -> tuple[int, float, float]:
     return axis, float(extent[1 - axis]), float(extent[axis])
 
 
+def slender(scene: Scene, body: Body) -> tuple[float, float]:
+    """Thickness and length [m] of a body as it bends: of its limbs where it is elastic and made of them."""
+    found = None if scene.solid.model in RIGID_MODELS else limbs(body)
+    return lengthwise(body)[1:] if found is None else (found.thickness, found.length)
+
+
 def held_sides(scene: Scene, body: Body) -> list[str]:
-    """The face of each of a body's clamps; of an edge that is a whole side of the body, that side."""
-    return [_side(body, clamp.face) for clamp in scene.solid.clamps if clamp.body == body.name]
+    """The face of each of a body's clamps; of an edge that is a whole side of the body, that side; END of each limb
+    that ends in the face."""
+    clamps = (clamp for clamp in scene.solid.clamps if clamp.body == body.name)
+    return [side for clamp in clamps for side in _limb_ends(body, clamp.face) or [_side(body, clamp.face)]]
+
+
+def _limb_ends(body: Body, face: str) -> list[str]:
+    """END for each stretch of a face if all of them end limbs; nothing of a single one at an end of the body."""
+    made_of = limbs(body)
+    if made_of is None:
+        return []
+    segments = faces(body)[face]
+    segments = segments[np.argsort(segments[:, 0] @ (segments[0, 1] - segments[0, 0]))]
+    apart = np.hypot(*(segments[1:, 0] - segments[:-1, 1]).T) > _ALONG * made_of.length
+    stretches = np.split(segments, np.flatnonzero(apart) + 1)
+    lengths = [float(np.hypot(*(one[-1, 1] - one[0, 0]))) for one in stretches]
+    at_an_end = len(lengths) == 1 and face in FACES_OF_AXIS[lengthwise(body)[0]]
+    if at_an_end or max(lengths) > _END * made_of.thickness:
+        return []
+    return [END] * len(lengths)
 
 
 def _side(body: Body, face: str) -> str:
@@ -50,8 +78,9 @@ def _side(body: Body, face: str) -> str:
 
 
 def held_ends(scene: Scene, body: Body) -> int:
-    """Number of a body's clamped ends."""
-    return sum(side in FACES_OF_AXIS[lengthwise(body)[0]] for side in held_sides(scene, body))
+    """Number of a body's clamped ends; two of more, as a frame may have."""
+    ends = (END, *FACES_OF_AXIS[lengthwise(body)[0]])
+    return min(sum(side in ends for side in held_sides(scene, body)), 2)
 
 
 def held_in_part(scene: Scene, body: Body) -> int:
@@ -61,14 +90,14 @@ def held_in_part(scene: Scene, body: Body) -> int:
 
 def bending_frequency(scene: Scene, body: Body) -> float:
     """First bending frequency [1/s] of a body as a thin beam; held by a part of a side, it may be a cantilever."""
-    solid, (_, thickness, length) = scene.solid, lengthwise(body)
+    solid, (thickness, length) = scene.solid, slender(scene, body)
     ends = held_ends(scene, body) or int(bool(held_in_part(scene, body)))
     return first_frequency(ends, length, bending_stiffness(scene, body), solid.density * thickness)
 
 
 def swing_frequency(scene: Scene, body: Body, squeeze: float) -> float:
     """Frequency [1/s] of the first swing that what pushes a body can start, pressed by a share of Euler's load."""
-    solid, (axis, thickness, length) = scene.solid, lengthwise(body)
+    solid, axis, (thickness, length) = scene.solid, lengthwise(body)[0], slender(scene, body)
     ends, sides = held_ends(scene, body), held_sides(scene, body)
     flat = sum(side in FACES_OF_AXIS[1 - axis] for side in sides)
     if pushed_along(scene, body, axis):
@@ -89,7 +118,7 @@ def pushed_along(scene: Scene, body: Body, axis: int) -> bool:
     moved = any(clamp.motion is not None for clamp in solid.clamps if clamp.body == body.name)
     loads = [load for load in solid.loads if load.body == body.name]
     aside = any(load.traction and _side(body, load.face) not in FACES_OF_AXIS[axis] for load in loads)
-    if scene.fluid is not None or turned or moved or aside:
+    if scene.fluid is not None or turned or moved or aside or limbs(body) is not None:
         return False
     pushes = [load.traction or load.acceleration for load in loads]
     pushes += [scene.gravity if solid.gravity else (0.0, 0.0), body.velocity]
@@ -131,5 +160,5 @@ def largest_factor(load: Load) -> float:
 
 def bending_stiffness(scene: Scene, body: Body) -> float:
     """D = E t³/(12 (1 − ν²)) [N m]; infinite of a rigid body."""
-    solid, (_, thickness, _) = scene.solid, lengthwise(body)
+    solid, thickness = scene.solid, slender(scene, body)[0]
     return (solid.youngs_modulus or math.inf) * thickness**3 / (12.0 * (1.0 - solid.poisson_ratio**2))

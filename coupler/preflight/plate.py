@@ -15,6 +15,7 @@ from coupler.preflight.held import (
     largest_factor,
     lengthwise,
     pushed_along,
+    slender,
     squeezed,
     swing_frequency,
 )
@@ -100,10 +101,10 @@ def of_a_body(scene: Scene) -> bool:
 
 def measure_plate(scene: Scene, water: Water | None) -> Plate:
     solid, probe = scene.solid, goals_probe(scene)
-    thinnest = min(solid.bodies, key=lambda one: lengthwise(one)[1])
+    thinnest = min(solid.bodies, key=lambda one: slender(scene, one)[0])
     asked = (one for one in solid.bodies if probe is not None and one.name == probe.body)
     body = next(asked, thinnest)
-    axis, thickness, length = lengthwise(body)
+    axis, (thickness, length) = lengthwise(body)[0], slender(scene, body)
     ends = held_ends(scene, body)
     elastic = solid.youngs_modulus is not None and solid.model not in RIGID_MODELS
     nu, modulus, stiffness = solid.poisson_ratio, solid.youngs_modulus or math.inf, bending_stiffness(scene, body)
@@ -143,7 +144,7 @@ def measure_plate(scene: Scene, water: Water | None) -> Plate:
         particles=_solid_particles(scene),
         step=_solid_step(scene, ends),
         damping=damping,
-        thinnest=lengthwise(thinnest)[1],
+        thinnest=slender(scene, thinnest)[0],
     )
 
 
@@ -208,7 +209,7 @@ def _load(
 ) -> tuple[float, float]:
     """Uniform load [Pa] on the plate along its normal, by loads, weight and water, of which between two waters the
     difference of their levels counts, and the force [N/m] on its end faces; an estimate."""
-    solid, (axis, thickness, _) = scene.solid, lengthwise(body)
+    solid, axis, thickness = scene.solid, lengthwise(body)[0], slender(scene, body)[0]
     load = float(np.dot(scene.gravity, normal)) * solid.density * thickness if solid.gravity else 0.0
     tip = 0.0
     for one in solid.loads:

@@ -10,10 +10,13 @@ from coupler.preflight.finding import Finding, above, of_particles
 from coupler.preflight.numbers import Numbers
 from coupler.preflight.shapes import excess
 from shared.geometry import own_box
+from shared.limbs import bearing, fitting
 from shared.schema import Scene
+from shared.schema_solid import PARTICLE_MODELS
 
 AREA_WARN = 0.02  # of a body's area that its particles hold too much or too little
 AREA_EXACT = 5e-5
+LIMB_WARN = 0.1  # of the bending compliance of a body's limbs
 STEPS_WARN, STEPS_REFUSE = 1e9, 1e13  # hours of the smallest scene; years
 MOST_FILLED = 2e5  # cells of a body that pre-flight fills: with more, the error is far below AREA_WARN
 
@@ -35,6 +38,23 @@ def filled_area(scene: Scene, n: Numbers) -> Finding | None:
         return Finding("filled area", value, "ok", "particles hold the areas of their bodies")
     reason = f"particles of '{name}' hold {100 * abs(value):.2g} % {'more' if value > 0.0 else 'less'} than its area"
     return Finding("filled area", value, verdict, reason, "" if verdict == "ok" else f"a smaller {side}.dx")
+
+
+def filled_limbs(scene: Scene, n: Numbers) -> Finding | None:
+    """What a lattice that does not fit a body's limbs makes of their bending: of the body where it is most; nothing to
+    say of little."""
+    if n.plate is None or n.plate.model not in PARTICLE_MODELS:
+        return None
+    dx = scene.solid.dx
+    body = max(scene.solid.bodies, key=lambda one: abs(bearing(one, dx)))
+    value = bearing(body, dx)
+    verdict, fits = above(abs(value), LIMB_WARN), fitting(body, dx)
+    if verdict == "ok":
+        return None
+    reason = f"a limb of '{body.name}' is {(1.0 + value) ** (-1.0 / 3.0):.3g} times as thick in particles as it is"
+    return Finding(
+        "filled limbs", value, verdict, reason, f"solid.dx = {fits:.4g} fits" if fits else "a smaller solid.dx"
+    )
 
 
 def steps(scene: Scene, n: Numbers) -> Finding | None:
