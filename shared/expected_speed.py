@@ -9,8 +9,9 @@ import numpy as np
 from shared.geometry import area, faces, outline
 from shared.motion_table import largest_speed
 from shared.schema import Scene
-from shared.schema_fluid import FluidBody, Wall
+from shared.schema_fluid import FluidBody
 from shared.schema_solid import RIGID_MODELS, Load, Solid, SolidBody
+from shared.wall_speeds import pushing_speed
 
 NO_SPEED = (
     'fluid.sound_speed = "auto": needs an expected speed, but the scene has no gravity, no initial velocity, nothing '
@@ -39,8 +40,9 @@ def start_speed(scene: Scene) -> float:
 
 
 def driven_speed(scene: Scene) -> float:
-    """Largest speed [m/s] of walls, and of structures and clamps whose motion is prescribed."""
-    speeds = [_wall_speed(wall) for wall in scene.walls]
+    """Largest speed [m/s] at which walls push the water, and structures and clamps whose motion is prescribed."""
+    water = np.concatenate([outline(body).reshape(-1, 2) for body in scene.fluid.bodies])
+    speeds = [pushing_speed(wall, water) for wall in scene.walls]
     if scene.solid is not None:
         motions = [scene.solid.motion, *(clamp.motion for clamp in scene.solid.clamps)]
         corners = np.concatenate([outline(body).reshape(-1, 2) for body in scene.solid.bodies])
@@ -120,8 +122,3 @@ def _clamped(solid: Solid, body: SolidBody) -> bool:
 def _field_speed(body: FluidBody) -> float:
     """Largest speed [m/s] of the body's velocity field."""
     return abs(body.velocity_field.speed) if body.velocity_field else 0.0
-
-
-def _wall_speed(wall: Wall) -> float:
-    """Largest speed [m/s] of a wall."""
-    return largest_speed(wall.motion, wall.polyline) if wall.motion else abs(wall.surface_speed)

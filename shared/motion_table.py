@@ -41,9 +41,9 @@ class MotionTable:
             result[order] = self._curve(min(time, self._end), order)
         return result
 
-    def displacements(self, times: np.ndarray) -> np.ndarray:
-        """Displacement x, y [m] and angle [rad], (k, 3), at `times` (k,) [s]."""
-        return self._curve(np.minimum(times, self._end))
+    def displacements(self, times: np.ndarray, order: int = 0) -> np.ndarray:
+        """Displacement x, y [m] and angle [rad], (k, 3), at `times` (k,) [s] up to the last; of order 1 their rates."""
+        return self._curve(np.minimum(times, self._end), order)
 
 
 def _rates(times: np.ndarray, values: np.ndarray) -> np.ndarray:

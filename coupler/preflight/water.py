@@ -14,7 +14,8 @@ from shared.geometry import contains, distance_to, outline
 from shared.kernels import kernel_named
 from shared.schema import Scene
 from shared.thin_walls import points_along
-from shared.wall_chains import lengths_of, segments_of
+from shared.wall_chains import lengths_of
+from shared.wall_speeds import lasting_faces
 
 MACH_AUTO = 0.1  # largest expected speed over the sound speed "auto"
 _BACKED = 0.75  # of dx: a wall or body this close behind the water's face holds it
@@ -178,6 +179,6 @@ def edge_samples(bodies, dx: float) -> tuple[np.ndarray, np.ndarray]:
 
 
 def _faces_behind(scene: Scene) -> list[np.ndarray]:
-    """Segments (k, 2, 2) of the walls and of the solid's bodies."""
-    walls = [segments_of(wall) for wall in scene.walls]
+    """Segments (k, 2, 2) of the walls, where they may hold water, and of the solid's bodies."""
+    walls = [lasting_faces(wall) for wall in scene.walls]
     return walls + [outline(body) for body in (scene.solid.bodies if scene.solid else [])]
