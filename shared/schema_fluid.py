@@ -129,7 +129,7 @@ class Fluid(Table):
         unit="m/s",
         about=(
             "artificial sound speed; auto: 10 times the largest speed expected (free fall over the "
-            "fluid's height, and initial or wall speeds)"
+            "fluid's height from its initial speed, and the speed at which walls and structures push it)"
         ),
     )
     kernel: KernelName = key("wendland-c2", about="smoothing kernel")
