@@ -29,9 +29,8 @@ from fluid_solver.delay_line import DelayLine
 from fluid_solver.initial import sound_speed
 from shared.contract import Description, Frame, Kinematics, Loads, SolverFailed
 from shared.schema import Scene
+from shared.schema_probes import FORCES
 from shared.schema_solid import RIGID_MODELS
-
-_SIDES = ("force-x", "force-y")
 
 
 class Columns:
@@ -150,9 +149,9 @@ class Columns:
         for probe in self._scene.probes:
             if probe.quantity == "pressure":
                 values[probe.name] = float(self._within(np.array([probe.point]))[0][0])
-            elif probe.quantity in _SIDES and probe.body in solids:
+            elif probe.quantity in FORCES and probe.body in solids:
                 mine = self.describe().body == solids.index(probe.body)
-                values[probe.name] = float(self._force[mine, _SIDES.index(probe.quantity)].sum())
+                values[probe.name] = float(self._force[mine, FORCES.index(probe.quantity)].sum())
         return values
 
     def frame(self) -> Frame:

@@ -11,12 +11,12 @@ from fluid_solver.wall_forces import WallForces
 from shared.jit import njit
 from shared.kernels import Kernel
 from shared.schema import Scene
-from shared.schema_probes import Probe
+from shared.schema_probes import FORCES, Probe
+from shared.sides import is_solids
 
 CONNECTED = 6  # fluid neighbours within the support that make a particle part of the bulk, not of the spray
 INSIDE = 0.5  # of dx: fluid nearer than this to a ghost's centre is inside a wall
 _SAMPLED = ("pressure", "velocity-x", "velocity-y")  # as `sample` returns them
-_FORCES = ("force-x", "force-y")
 
 
 class Observer:
@@ -31,10 +31,7 @@ class Observer:
         self._wall_forces = WallForces(scene, ghosts, c.support)
         self._walls = {w.name: k for k, w in enumerate(scene.walls)}
         self._solids = {b.name: k for k, b in enumerate(scene.solid.bodies)} if scene.solid else {}
-        self._probes = [p for p in scene.probes if self._is_mine(p)]
-
-    def _is_mine(self, probe: Probe) -> bool:
-        return probe.body not in self._solids or probe.quantity in _FORCES
+        self._probes = [p for p in scene.probes if not is_solids(scene, p)]
 
     def values(self, store, force: np.ndarray, normal: np.ndarray) -> dict[str, float]:
         """Present value of every fluid probe, by name. `force` (ghosts, 2) [N/m]: of the fluid on each ghost, mean
@@ -49,8 +46,8 @@ class Observer:
             return sample(S, kind, self._kernel, *probe.point, store.grid, sensor)[_SAMPLED.index(quantity)]
         if quantity == "elevation":
             return surface_at(S, kind, self._kernel, probe.point[0], store.grid, self._c) - probe.point[1]
-        if quantity in _FORCES:
-            return self._force_on(probe.body, _FORCES.index(quantity), force, normal)
+        if quantity in FORCES:
+            return self._force_on(probe.body, FORCES.index(quantity), force, normal)
         if quantity == "clipped-impulse":
             return store.clipped.sum()
         if quantity == "leaked":

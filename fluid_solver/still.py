@@ -17,9 +17,8 @@ from fluid_solver.still_level import Level, pools
 from shared.contract import Description, Frame, Kinematics, Loads, SolverFailed
 from shared.geometry import contains, fill, outline
 from shared.schema import Scene
+from shared.schema_probes import FORCES
 from shared.wetted_faces import DRY, wet_links
-
-_FORCES = ("force-x", "force-y")
 
 
 class StillWater:
@@ -107,9 +106,9 @@ class StillWater:
         for probe in self._scene.probes:
             if probe.quantity == "pressure":
                 values[probe.name] = float(self._at(np.array([probe.point]))[0])
-            elif probe.quantity in _FORCES and probe.body in self._solids():
+            elif probe.quantity in FORCES and probe.body in self._solids():
                 mine = self._body == self._solids().index(probe.body)
-                values[probe.name] = float(self._force[mine, _FORCES.index(probe.quantity)].sum())
+                values[probe.name] = float(self._force[mine, FORCES.index(probe.quantity)].sum())
             elif probe.quantity == "level":
                 values[probe.name] = self._probed_level(probe.body)
         return values

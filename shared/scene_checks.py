@@ -16,16 +16,17 @@ from shared.curves import read_curve
 from shared.geometry import area, contains, distance_to, faces, outline
 from shared.scene_fields import suggest
 from shared.scene_geometry import GEOMETRY_CHECKS, has_shape
-from shared.scene_models import MODEL_CHECKS, SOLID_ONLY, STRESSES
+from shared.scene_models import MODEL_CHECKS
 from shared.scene_water import WATER_CHECKS
 from shared.schema import Scene
+from shared.schema_probes import FORCES, SOLID_ONLY, STRESSES
 
 _ON_BODY = 1e-6  # distance over the body's size within which a point counts as on the body
 
 MATERIAL_POINT = ("displacement-x", "displacement-y", *STRESSES)
 
 AT_POINT_OF_FLUID = ("pressure", "velocity-x", "velocity-y", "elevation")
-OF_FLUID = (*AT_POINT_OF_FLUID, "front-x", "level", "total-energy", "clipped-impulse", "leaked", "force-x", "force-y")
+OF_FLUID = (*AT_POINT_OF_FLUID, "front-x", "level", "total-energy", "clipped-impulse", "leaked", *FORCES)
 
 # What each quantity needs: the kinds of body it can be of, whether it must be given, whether a point is.
 _QUANTITIES = {
@@ -42,8 +43,7 @@ _QUANTITIES = {
     "total-energy": (("fluid",), False, False),
     **dict.fromkeys(SOLID_ONLY, (("solid",), True, False)),
     **dict.fromkeys(STRESSES, (("solid",), True, True)),
-    "force-x": (("solid", "wall"), True, False),
-    "force-y": (("solid", "wall"), True, False),
+    **dict.fromkeys(FORCES, (("solid", "wall"), True, False)),
     "clipped-impulse": ((), False, False),
     "leaked": ((), False, False),
 }

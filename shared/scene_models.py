@@ -8,18 +8,13 @@ from shared.geometry import own_box
 from shared.scene_geometry import across, has_shape
 from shared.schema import Scene
 from shared.schema_geometry import Shape
+from shared.schema_probes import FORCES, MOMENTA, REACTIONS, SOLID_ONLY, STRESSES
 from shared.schema_solid import PARTICLE_MODELS, RIGID_MODELS
 
 LEAST_SLENDER = 3.0  # length over thickness below which a body is no beam
 WANTED_SLENDER = 5.0  # below it, shear and the clamps' neighbourhood rule, which a beam only sketches
 _SLACK = 1.0 - 1e-9  # 0.12 over 0.04 is a little below 3
 LEAST_ROWS = 2  # rows of interface points across a beam that let a fluid's ghosts follow its rotation
-
-STRESSES = ("stress-xx", "stress-yy", "stress-xy", "von-mises")
-MOMENTA = ("momentum-x", "momentum-y", "angular-momentum")
-REACTIONS = ("reaction-x", "reaction-y")
-SOLID_ONLY = ("strain-energy", "external-work", "dissipated", *MOMENTA, *REACTIONS, "spacing-max", *STRESSES)
-"""Quantities of solid bodies alone, which not every model can express."""
 
 _MOTION = ("displacement-x", "displacement-y", "kinetic-energy", "max-speed", *MOMENTA)
 _BALANCE = ("strain-energy", "external-work", "dissipated", *REACTIONS)
@@ -29,9 +24,6 @@ _EXPRESSED = {
     "beam": (*_MOTION, *_BALANCE, *STRESSES, "spacing-max"),
 }
 """What models that are not made of particles can say; the others say everything."""
-
-FORCES = ("force-x", "force-y")
-"""Quantities of a solid that the fluid knows: what it does to it."""
 
 _EXPRESSED_BY_WATER = {"still": ("pressure", "level"), "column": ("pressure",)}
 """What fluids that are not made of particles can say besides forces on solids; they leave other probes out."""

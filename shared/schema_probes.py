@@ -39,6 +39,14 @@ Quantity = Literal[
     "leaked",
 ]
 
+FORCES = ("force-x", "force-y")
+"""Of a body of the solid, or a wall, that the fluid knows: what it does to it."""
+STRESSES = ("stress-xx", "stress-yy", "stress-xy", "von-mises")
+MOMENTA = ("momentum-x", "momentum-y", "angular-momentum")
+REACTIONS = ("reaction-x", "reaction-y")
+SOLID_ONLY = ("strain-energy", "external-work", "dissipated", *MOMENTA, *REACTIONS, "spacing-max", *STRESSES)
+"""Quantities of solid bodies alone, which not every model can express."""
+
 
 class Probe(Table):
     name: Name = key(about="name, unique in the scene")

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from shared.schema import Scene
+from shared.schema_probes import FORCES, Probe
 
 PROBE_ROWS = 1000
 """Rows of probes.csv over a run where output.probe_interval is "auto"."""
@@ -14,14 +15,15 @@ def probe_rows(scene: Scene) -> int:
     return PROBE_ROWS if interval == "auto" else max(1, round(scene.end_time / interval))
 
 
+def is_solids(scene: Scene, probe: Probe) -> bool:
+    """Whether a probe is of what a body of the solid does, and not of the water's push on it."""
+    bodies = scene.solid.bodies if scene.solid else []
+    return probe.quantity not in FORCES and probe.body in {body.name for body in bodies}
+
+
 def own_probes(scene: Scene, side: str) -> Scene:
     """The scene with the probes of one side, and what refers to them, alone."""
-    solid = {b.name for b in scene.solid.bodies} if scene.solid else set()
-
-    def is_solid(p):
-        return p.body in solid and p.quantity not in ("force-x", "force-y")
-
-    kept = [p for p in scene.probes if is_solid(p) == (side == "solid")]
+    kept = [p for p in scene.probes if is_solids(scene, p) == (side == "solid")]
     names = {p.name for p in kept}
     goal = scene.goal if scene.goal and scene.goal.probe in names else None
     references = [r for r in scene.references if r.probe in names]

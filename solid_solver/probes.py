@@ -8,7 +8,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from shared.schema import Scene
-from shared.schema_probes import Probe
+from shared.schema_probes import STRESSES, Probe
+from shared.sides import is_solids
 from solid_solver.bodies import LatticeBody
 
 _REACH = 2.6  # spacings: particles about a point that its stress is fitted to
@@ -117,13 +118,13 @@ def solid_probes(scene: Scene, bodies: list[LatticeBody]) -> dict[str, Value]:
     moving = {clamp.body for clamp in scene.solid.clamps if clamp.motion is not None}
     result: dict[str, Value] = {}
     for probe in scene.probes:
-        if probe.body not in number or probe.quantity in ("force-x", "force-y"):
+        if not is_solids(scene, probe):
             continue
         k = number[probe.body]
         body = bodies[k]
         if probe.quantity in ("displacement-x", "displacement-y"):
             result[probe.name] = _displacement(probe, body, probe.body in moving)
-        elif probe.quantity in ("stress-xx", "stress-yy", "stress-xy", "von-mises"):
+        elif probe.quantity in STRESSES:
             result[probe.name] = _stress(probe, body)
         else:
             own = slice(body.first, body.first + len(body.position))

@@ -55,7 +55,7 @@ from coupler.preflight.swing import RADIATES, carries_sound, late, radiates
 from shared.geometry import outline
 from shared.schema import Scene
 from shared.schema_fluid import PARTICLE_FLUIDS
-from shared.schema_probes import Probe
+from shared.schema_probes import FORCES, Probe
 from shared.schema_solid import RIGID_MODELS
 
 Parts = dict[str, float]
@@ -191,7 +191,7 @@ def _left_of_weight(scene: Scene, n: Numbers) -> float:
     """Buoyancy over what it leaves of the weight of a plate under water: so many times its error counts in bending."""
     if n.plate is None or n.plate.wet < 2 or not scene.solid.gravity or scene.solid.loads:
         return 1.0
-    if goals_quantity(scene) in ("force-x", "force-y"):
+    if goals_quantity(scene) in FORCES:
         return 1.0
     left = abs(n.plate.density - n.water.density)
     return max(1.0, n.water.density / left) if left > 0.0 else UNKNOWN

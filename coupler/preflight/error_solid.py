@@ -43,8 +43,8 @@ from coupler.preflight.shapes import FEW, excess, excess_of_inertia
 from coupler.preflight.swing import swing
 from shared.limbs import bearing
 from shared.regions import axes_of
-from shared.scene_models import STRESSES
 from shared.schema import Scene
+from shared.schema_probes import STRESSES
 from shared.schema_solid import RIGID_MODELS
 from shared.sides import probe_rows
 from shared.solid_step import BEAM_STEPS, FIRST_ROOT

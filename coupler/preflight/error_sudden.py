@@ -13,8 +13,8 @@ import math
 from collections.abc import Sequence
 
 from coupler.preflight.plate import Plate, goals_quantity
-from shared.scene_models import REACTIONS, STRESSES
 from shared.schema import Scene
+from shared.schema_probes import REACTIONS, STRESSES
 from shared.schema_solid import RIGID_MODELS
 from shared.sides import probe_rows
 

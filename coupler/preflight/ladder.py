@@ -17,13 +17,12 @@ from coupler.preflight.error_flow import MOTIONS
 from coupler.preflight.error_solid import PHASE, SWING, not_bounded
 from coupler.preflight.finding import STEADY
 from coupler.preflight.numbers import Numbers, scene_numbers
-from coupler.preflight.plate import goals_quantity
+from coupler.preflight.plate import goals_probe, goals_quantity, of_a_body
 from coupler.preflight.rules import findings
 from coupler.preflight.rules_joint import helmholtz
 from coupler.preflight.variations import coupled, dampings, fits, has_particles, refined, with_models
 from coupler.preflight.water import measure_water
 from shared.scene_checks import check_scene
-from shared.scene_models import FORCES
 from shared.schema import Scene
 from shared.schema_fluid import PARTICLE_FLUIDS
 from shared.schema_solid import RIGID_MODELS
@@ -204,12 +203,10 @@ def _unable(scene: Scene, n: Numbers, worst: str) -> str:
 
 def _cannot(scene: Scene, side: str, model: str | None) -> str:
     """Why a model cannot express its side of the scene at all; empty if it can."""
-    solid, goal = scene.solid, scene.goal
-    if side == "solid" and model in RIGID_MODELS and solid.model not in RIGID_MODELS:
-        probe = next((p for p in scene.probes if p.name == goal.probe), None)
-        of_solid = probe is None or probe.body in {body.name for body in solid.bodies}
-        if model == "spring" or (of_solid and (probe is None or probe.quantity not in FORCES)):
-            return "the goal is how an elastic body deforms"
+    solid = scene.solid
+    held = side == "solid" and model in RIGID_MODELS and solid.model not in RIGID_MODELS
+    if held and (model == "spring" or goals_probe(scene) is None or of_a_body(scene)):
+        return "the goal is how an elastic body deforms"
     if model in ("still", "column") and solid is None:
         return f"model {model} is water on a structure, and there is none"
     changed, _ = with_models(scene, *((model, None) if side == "fluid" else (None, model)))

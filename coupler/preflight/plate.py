@@ -23,11 +23,11 @@ from coupler.preflight.shapes import area
 from coupler.preflight.water import UPWARD, Water, edge_samples
 from shared.geometry import contains, outline, own_box
 from shared.regions import axes_of
-from shared.scene_models import FORCES
 from shared.schema import Scene
 from shared.schema_geometry import Body
 from shared.schema_probes import Probe
 from shared.schema_solid import RIGID_MODELS
+from shared.sides import is_solids
 from shared.solid_step import (
     UPDATED_COURANT,
     beam_step,
@@ -94,9 +94,8 @@ def plates_body(scene: Scene, plate: Plate) -> Body:
 
 def of_a_body(scene: Scene) -> bool:
     """Whether the goal is of what a body of the solid does, and not of the water's push on it."""
-    probe, solid = goals_probe(scene), scene.solid
-    named = probe is not None and solid is not None and probe.body in {body.name for body in solid.bodies}
-    return named and probe.quantity not in FORCES
+    probe = goals_probe(scene)
+    return probe is not None and is_solids(scene, probe)
 
 
 def measure_plate(scene: Scene, water: Water | None) -> Plate:
