@@ -26,6 +26,7 @@ import numpy as np
 
 from fluid_solver.column_faces import wetted_patches
 from fluid_solver.delay_line import DelayLine
+from fluid_solver.hermite import hermite
 from fluid_solver.initial import sound_speed
 from shared.contract import Description, Frame, Kinematics, Loads, SolverFailed
 from shared.schema import Scene
@@ -194,7 +195,7 @@ class Columns:
         before = self._arriving(t0)[0]
         for k in range(1, substeps + 1):
             time = t1 if k == substeps else t0 + length * (k / substeps)
-            x, v = _cubic((time - t0) / length, length, start, end)
+            x, v = hermite((time - t0) / length, length, *start[:2], *end[:2])
             g_sum, g = self._arriving(time)
             for own, line in zip(self._own, self._lines, strict=True):
                 line.append(time, rho_c * x[own] + g_sum[own], rho_c * v[own] + g[own])
@@ -235,11 +236,3 @@ class Columns:
         f = self._lines[k].value(now - x / self._c, i)
         g = self._reflection * self._lines[k].value(now + x / self._c - back, i)
         return f + g, (f - g) / (self._rho * self._c)
-
-
-def _cubic(s: float, length: float, start: np.ndarray, end: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Displacement and speed at the fraction `s` of a window of `length` [s]: Hermite's cubic."""
-    (x0, v0), (x1, v1) = start[:2], end[:2]
-    a = 2.0 * (x0 - x1) + length * (v0 + v1)
-    b = 3.0 * (x1 - x0) - length * (2.0 * v0 + v1)
-    return x0 + s * (length * v0 + s * (b + s * a)), v0 + s * (2.0 * b + 3.0 * s * a) / length

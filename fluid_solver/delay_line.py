@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
+from fluid_solver.hermite import hermite
+
 _FIRST_ROOM = 64  # times kept before the memory is made larger
 _EARLY = 1e-9  # of the last step: a time this little before the first still counts as the first
 
@@ -38,7 +40,7 @@ class DelayLine:
             early = times[0] - time > _EARLY * np.ptp(times[:2])
             return (np.zeros_like(rows[0, 0]),) * 2 if early else (rows[0, 0].copy(), rows[0, 1].copy())
         step = times[k] - times[k - 1]
-        return _hermite((time - times[k - 1]) / step, step, rows[k - 1], rows[k])
+        return hermite((time - times[k - 1]) / step, step, *rows[k - 1], *rows[k])
 
     def value(self, time: np.ndarray, column: np.ndarray) -> np.ndarray:
         """f (m,) of the functions `column` (m,) at the times (m,), as `at` has it."""
@@ -50,7 +52,7 @@ class DelayLine:
         k = np.clip(np.searchsorted(times, time, side="right"), 1, len(times) - 1)
         step = times[k] - times[k - 1]
         before, after = (rows[i, :, column].T for i in (k - 1, k))
-        return np.where(early, 0.0, _hermite((time - times[k - 1]) / step, step, before, after)[1])
+        return np.where(early, 0.0, hermite((time - times[k - 1]) / step, step, *before, *after)[1])
 
     def forget(self, time: float) -> None:
         """Nothing before `time` will be asked for any more."""
@@ -84,11 +86,3 @@ class DelayLine:
         else:
             self._times[:kept], self._rows[:kept] = times.copy(), rows.copy()
         self._begin, self._end = 0, kept
-
-
-def _hermite(s, step, start: np.ndarray, end: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """F and f at the fraction `s` of a `step` [s] from F and f at its start to those at its end."""
-    (F0, f0), (F1, f1) = start, end
-    a = 2.0 * (F0 - F1) + step * (f0 + f1)
-    b = 3.0 * (F1 - F0) - step * (2.0 * f0 + f1)
-    return F0 + s * (step * f0 + s * (b + s * a)), f0 + s * (2.0 * b + 3.0 * s * a) / step

@@ -14,6 +14,7 @@ import numpy as np
 
 from fluid_solver.cells import BLOCK
 from fluid_solver.fields import AX, AY, FLUID, PARKED, X, Y
+from fluid_solver.hermite import hermite
 from fluid_solver.initial import Ghosts, joints
 from shared.contract import Kinematics
 from shared.ghost_inertia import ghosts_feel_acceleration
@@ -24,6 +25,7 @@ from shared.schema_geometry import Motion
 from shared.wall_chains import chains
 
 POSE = 8
+_hermite = inline_njit(hermite)
 
 
 class GhostMotion:
@@ -125,10 +127,7 @@ def structure_pose(s, length, x0, v0, x1, v1, acceleration, pose):
     """
     for i in range(len(x0)):
         for k in range(2):
-            a = 2.0 * (x0[i, k] - x1[i, k]) + length * (v0[i, k] + v1[i, k])
-            b = 3.0 * (x1[i, k] - x0[i, k]) - length * (2.0 * v0[i, k] + v1[i, k])
-            pose[i, k] = x0[i, k] + s * (length * v0[i, k] + s * (b + s * a))
-            pose[i, 2 + k] = v0[i, k] + s * (2.0 * b + 3.0 * s * a) / length
+            pose[i, k], pose[i, 2 + k] = _hermite(s, length, x0[i, k], v0[i, k], x1[i, k], v1[i, k])
             pose[i, 4 + k] = acceleration[i, k]
 
 
