@@ -27,7 +27,17 @@ from fluid_solver.fields import (
     X,
     Y,
 )
-from shared.jit import parallel_njit
+from shared.jit import inline_njit, parallel_njit
+
+
+@inline_njit
+def set_pressure(S, i, p, c):
+    """Particle i's pressure `p` [Pa], and what follows from it: ρ = ρ0 + p/c0², m/ρ, p/ρ²."""
+    rho = c.rho0 + p / (c.c0 * c.c0)
+    S[RHO, i] = rho
+    S[P, i] = p
+    S[VOL, i] = S[M, i] / rho
+    S[PR2, i] = p / (rho * rho)
 
 
 @parallel_njit
@@ -64,11 +74,7 @@ def advance_and_drift(S, kind, count, dt, shifting, c, R, clipped):
                 free = S[P, i] + dt * R[DP, i]
                 p = max(free, c.weakest)
                 taken += S[VOL, i] * (p - free)
-                rho = c.rho0 + p / (c.c0 * c.c0)
-                S[RHO, i] = rho
-                S[P, i] = p
-                S[VOL, i] = S[M, i] / rho
-                S[PR2, i] = p / (rho * rho)
+                set_pressure(S, i, p, c)
                 S[X, i] += 0.5 * dt * (S[U, i] + S[SX, i] if shifting else S[U, i])
                 S[Y, i] += 0.5 * dt * (S[V, i] + S[SY, i] if shifting else S[V, i])
         clipped[block] += taken / c.c0
@@ -92,12 +98,7 @@ def keep_volume(S, kind, count, volume, c, sums):
     for block in numba.prange(blocks):
         for i in range(block * BLOCK, min(block * BLOCK + BLOCK, count)):
             if kind[i] == FLUID:
-                p = S[P, i] + shift
-                rho = c.rho0 + p / (c.c0 * c.c0)
-                S[RHO, i] = rho
-                S[P, i] = p
-                S[VOL, i] = S[M, i] / rho
-                S[PR2, i] = p / (rho * rho)
+                set_pressure(S, i, S[P, i] + shift, c)
 
 
 @parallel_njit
