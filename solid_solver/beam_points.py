@@ -12,6 +12,7 @@ from __future__ import annotations
 import math
 
 from shared.jit import njit
+from solid_solver.beam_element import cosine_less_one
 
 TERMS = 6  # of a section: displacement, velocity, acceleration, x and y each
 
@@ -27,7 +28,7 @@ def sections(q, v, a, h, element, share, axes, centre, slope):
         spin = first * v[e, 2] + xi * v[e + 1, 2]
         turn = first * a[e, 2] + xi * a[e + 1, 2]
         c, s = math.cos(theta), math.sin(theta)
-        fall = -s * s / (1.0 + c) if c > 0.0 else c - 1.0  # cos θ − 1 without cancellation
+        fall = cosine_less_one(c, s)
         out = bulge * (q[e, 2] - q[e + 1, 2])
         rise, pull = bulge * (v[e, 2] - v[e + 1, 2]), bulge * (a[e, 2] - a[e + 1, 2])
         along, normal = out * turn + 2.0 * rise * spin, pull - out * spin * spin

@@ -22,7 +22,7 @@ import math
 import numpy as np
 
 from shared.jit import njit
-from solid_solver.beam_element import DISSIPATION, element_forces, scatter, strains
+from solid_solver.beam_element import DISSIPATION, cosine_less_one, element_forces, scatter, strains
 
 MOST_ITERATIONS = 60
 LARGEST_STRAIN = 0.9  # along and across the axis, past which there is no beam left
@@ -100,7 +100,7 @@ def _assemble(q0, q1, v, a, strain0, rate, free, mass, h, stiffness, eta, dt, no
 
 
 @njit
-def _keep_book(q, q1, v, a, dt, mass, eta, node, couple, book):
+def _keep_book(q, q1, a, dt, mass, eta, node, couple, book):
     """Add the loads' work over a step to book[0]; the clamps' mean force in it into book[1:]. `a`: the step's Δv/Δt."""
     book[1:] = 0.0
     for k in range(len(q)):
@@ -113,7 +113,7 @@ def _keep_book(q, q1, v, a, dt, mass, eta, node, couple, book):
             theta, bulge = 0.5 * (at[e, 2] + at[e + 1, 2]), at[e, 2] - at[e + 1, 2]
             x, y = couple[e, 0] + bulge * couple[e, 2], couple[e, 1] + bulge * couple[e, 3]
             c, s = math.cos(theta), math.sin(theta)
-            fall = -s * s / (1.0 + c) if c > 0.0 else c - 1.0
+            fall = cosine_less_one(c, s)
             book[0] += sign * (y * fall - x * s + bulge * couple[e, 3])
 
 
@@ -154,7 +154,7 @@ def _one_step(state, free, ends, mass, h, stiffness, eta, dt, load, work):
                 gain = ends[min(k, 1), 1, i] - v[k, i]
             v[k, i] += gain
             a[k, i] = gain / dt
-    _keep_book(q, q1, v, a, dt, mass, eta, node, couple, book)
+    _keep_book(q, q1, a, dt, mass, eta, node, couple, book)
     for k in range(len(q)):
         for i in range(3):
             q[k, i] = q1[k, i]
