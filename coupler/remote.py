@@ -12,16 +12,16 @@ import numpy as np
 from coupler.replies import check_info
 from shared.clock import Clock, Window
 from shared.contract import (
+    GIVES,
     Description,
     Exchange,
     Kinematics,
-    Loads,
     ShearwaterError,
     SolverFailed,
     exchange_fields,
+    exchange_shapes,
 )
 from shared.link import InProcessLink, Link
-from shared.participant import kinematics_shapes
 from shared.wire import BadMessage, Message, check_envelope, check_fields, check_window, decode, encode
 
 _LARGEST = 1e100
@@ -188,13 +188,10 @@ class Remote:
         self._answered = now
 
     def _exchange(self, reply: Message) -> Exchange:
-        kinematic = self.description.role == "structure"
-        count = self._count
-        shapes = kinematics_shapes(count) if kinematic else {"pressure": (count,), "force": (count, 2)}
-        where = f"{reply.verb} from {self.name}"
-        check_fields(reply.fields, shapes, where)
+        kind, where = GIVES[self.description.role], f"{reply.verb} from {self.name}"
+        check_fields(reply.fields, exchange_shapes(kind, self._count), where)
         _check_sizes(reply.fields, where)
-        return (Kinematics if kinematic else Loads)(**reply.fields)
+        return kind(**reply.fields)
 
 
 def _check_sizes(fields: Mapping[str, np.ndarray], where: str) -> None:

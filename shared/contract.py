@@ -96,6 +96,17 @@ EXCHANGE_FIELDS = {kind: tuple(f.name for f in fields(kind)) for kind in (Kinema
 """Names of the fields of either kind of exchange, in order."""
 
 
+GIVES: dict[Role, type[Exchange]] = {"fluid": Loads, "structure": Kinematics}
+"""What a participant of either role gives its partner."""
+TAKES: dict[Role, type[Exchange]] = {"fluid": Kinematics, "structure": Loads}
+"""What it takes of it."""
+
+
+def exchange_shapes(kind: type[Exchange], count: int) -> dict[str, tuple[int, ...]]:
+    """Shapes of the fields of an exchange on `count` points."""
+    return {name: (count,) if name == "pressure" else (count, 2) for name in EXCHANGE_FIELDS[kind]}
+
+
 def exchange_fields(exchange: Exchange) -> dict[str, np.ndarray]:
     """The exchange as named arrays."""
     return {name: getattr(exchange, name) for name in EXCHANGE_FIELDS[type(exchange)]}

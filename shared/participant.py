@@ -18,6 +18,7 @@ import numpy as np
 from shared.checkpoint import inside, misfit, read_state, under, write_state
 from shared.clock import Clock, Window
 from shared.contract import (
+    TAKES,
     Description,
     EarlyModel,
     Exchange,
@@ -27,6 +28,7 @@ from shared.contract import (
     Model,
     OutOfOrder,
     exchange_fields,
+    exchange_shapes,
 )
 from shared.face_loads import FaceLoads
 from shared.results import peak_mib
@@ -251,10 +253,7 @@ class Participant:
 
     def expected_boundary(self) -> Mapping[str, tuple[int, ...]]:
         """Names and shapes of the partner's fields that `advance` needs."""
-        count = len(self._selection)
-        if self.model.role == "fluid":
-            return kinematics_shapes(count)
-        return {"pressure": (count,), "force": (count, 2)}
+        return exchange_shapes(TAKES[self.model.role], len(self._selection))
 
     def _note_outgrown(self, window: Window) -> None:
         """Say so when the state at the window's end wants shorter steps than the window had; the next one has them."""
@@ -306,9 +305,3 @@ def own_faces(scene: Scene, model: Model) -> FaceLoads | None:
     if model.role == "structure" and scene.coupling.loads == "pressure":
         return FaceLoads(scene, model.describe())
     return None
-
-
-def kinematics_shapes(count: int) -> dict[str, tuple[int, ...]]:
-    """Shapes of a `Kinematics` of `count` points."""
-    names = ("position", "velocity", "acceleration", "velocity_mean", "acceleration_mean")
-    return dict.fromkeys(names, (count, 2))

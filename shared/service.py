@@ -10,8 +10,8 @@ from collections.abc import Callable
 import numpy as np
 
 from shared.clock import Clock, Window
-from shared.contract import Kinematics, Loads, ShearwaterError, exchange_fields
-from shared.participant import Participant, kinematics_shapes
+from shared.contract import TAKES, Kinematics, ShearwaterError, exchange_fields, exchange_shapes
+from shared.participant import Participant
 from shared.unwritable import met_limit
 from shared.wire import BadMessage, Message, check_envelope, check_fields, decode, encode
 
@@ -116,7 +116,7 @@ def _start(participant: Participant, request: Message) -> Answer:
     if participant.model.role == "fluid":
         if len(selection) != count:
             raise BadMessage(f"start selects {len(selection)} of the fluid's {count} ghosts; all of them travel")
-        check_fields(fields, kinematics_shapes(len(selection)), "start")
+        check_fields(fields, exchange_shapes(Kinematics, len(selection)), "start")
         motion = Kinematics(**fields)
     elif fields:
         raise BadMessage(f"start of a structure carries unknown fields {sorted(fields)}")
@@ -136,12 +136,11 @@ def _start(participant: Participant, request: Message) -> Answer:
 
 def _advance(participant: Participant, request: Message) -> Answer:
     check_fields(request.fields, participant.expected_boundary(), request.verb)
-    kind = Kinematics if participant.model.role == "fluid" else Loads
     window = Window(request.window, request.t0, request.t1, request.iteration)
     if not window.t0 < window.t1:
         raise BadMessage(f"window {window.index} from t0 = {window.t0} to t1 = {window.t1} has no length")
     final = bool(request.info.get("final", False))
-    own = exchange_fields(participant.advance(window, kind(**request.fields), final))
+    own = exchange_fields(participant.advance(window, TAKES[participant.model.role](**request.fields), final))
     return (_row(participant.accept()) if final else {}), own
 
 
