@@ -19,9 +19,9 @@ from datetime import date
 from functools import cache
 from pathlib import Path
 
+from fluid_solver.machine import copy_rate, multiply_add_rate
 from fluid_solver.models import make_model
 from shared.contract import BadInput, ShearwaterError
-from shared.machine import copy_rate, multiply_add_rate
 from shared.scene import load_scene
 from shared.solo import run_alone
 from shared.statistics import relative_error
