@@ -18,7 +18,8 @@ from fluid_solver.flows import initial_flow
 from fluid_solver.packing import off_faces, pack
 from fluid_solver.period import period_of, within_period
 from shared.contract import BadInput
-from shared.expected_speed import NO_SPEED, expected_speed
+from shared.expected_speed import NO_SPEED
+from shared.expected_speed import sound_speed as scenes_sound_speed
 from shared.geometry import contains, distance_to, fill, outline, wall_particles
 from shared.geometry import ghosts as body_ghosts
 from shared.kernels import Kernel
@@ -26,7 +27,6 @@ from shared.schema import Scene
 from shared.schema_geometry import Body
 from shared.wall_chains import Chain, Ground, chains, segments_of
 
-MACH = 0.1  # largest expected speed over the automatic sound speed: density varies by 1 %
 CLEAR = 0.25  # of dx: fluid laid nearer to a face is moved off it; on the face it would start at the wrong pressure
 _ROUNDING = 1e-9  # of a distance
 OWNED = 0.25  # of dx: wall particles this close to a solid body are the body's
@@ -68,14 +68,11 @@ class Ghosts:
 
 
 def sound_speed(scene: Scene) -> float:
-    """The scene's sound speed [m/s]; "auto": ten times the largest speed expected."""
-    fluid = scene.fluid
-    if fluid.sound_speed != "auto":
-        return fluid.sound_speed
-    speed = expected_speed(scene)
+    """The scene's sound speed [m/s]. Raises BadInput where nothing tells the automatic one."""
+    speed = scenes_sound_speed(scene)
     if speed == 0.0:
         raise BadInput(NO_SPEED)
-    return speed / MACH
+    return speed
 
 
 def fluid_particles(scene: Scene, c0: float, ghosts: Ghosts, kernel: Kernel, h: float) -> FluidParticles:

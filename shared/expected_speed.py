@@ -1,4 +1,4 @@
-"""The largest speed that a fluid is expected to reach, by which fluid.sound_speed = "auto" goes."""
+"""The largest speed that a fluid is expected to reach, and its sound speed, which goes by that where it is "auto"."""
 
 from __future__ import annotations
 
@@ -6,6 +6,7 @@ import math
 
 import numpy as np
 
+from shared.elasticity import bulk_modulus
 from shared.geometry import area, faces, outline
 from shared.motion_table import largest_speed
 from shared.schema import Scene
@@ -19,6 +20,14 @@ NO_SPEED = (
     "the largest speed you expect"
 )
 """What is wrong where the expected speed is 0."""
+
+MACH = 0.1  # largest expected speed over the automatic sound speed: density varies by 1 %
+
+
+def sound_speed(scene: Scene) -> float:
+    """The scene's sound speed [m/s]; "auto": ten times the largest speed expected, 0 where nothing tells one."""
+    given = scene.fluid.sound_speed
+    return expected_speed(scene) / MACH if given == "auto" else given
 
 
 def expected_speed(scene: Scene) -> float:
@@ -77,8 +86,7 @@ def _start(solid: Solid, body: SolidBody) -> float:
         return speed
     if mode.tip_speed is not None:
         return speed + abs(mode.tip_speed)
-    bulk = solid.youngs_modulus / (3.0 * (1.0 - 2.0 * solid.poisson_ratio))
-    return speed + abs(mode.tip_speed_over_c0) * math.sqrt(bulk / solid.density)
+    return speed + abs(mode.tip_speed_over_c0) * math.sqrt(bulk_modulus(solid) / solid.density)
 
 
 def _pushed(scene: Scene, body: SolidBody) -> float:

@@ -11,6 +11,7 @@ from __future__ import annotations
 
 import math
 
+from shared.elasticity import wave_speed
 from shared.schema_solid import Solid
 
 LATTICE_SHARE = 0.85
@@ -27,18 +28,6 @@ BEAM_STEPS = 100
 """Of a beam in the period of its first bending mode (period 0.03 % too long, the second mode of a cantilever 1.2 %)."""
 FIRST_ROOT = {0: 4.730041, 1: 1.875104, 2: 4.730041}
 """βL of a thin beam's first bending mode by its number of clamped ends: free, cantilever, clamped at both ends."""
-
-
-def lame(solid: Solid) -> tuple[float, float]:
-    """Lamé's λ and μ [Pa] (plane strain)."""
-    e, nu = solid.youngs_modulus, solid.poisson_ratio
-    return e * nu / ((1.0 + nu) * (1.0 - 2.0 * nu)), e / (2.0 * (1.0 + nu))
-
-
-def wave_speed(solid: Solid) -> float:
-    """Speed of P waves c_p = √((λ + 2μ)/ρ) [m/s]."""
-    lam, mu = lame(solid)
-    return math.sqrt((lam + 2.0 * mu) / solid.density)
 
 
 def viscous_time(solid: Solid) -> float:

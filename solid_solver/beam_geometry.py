@@ -8,6 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from shared.contract import BadInput
+from shared.elasticity import plane_modulus
 from shared.schema import Scene
 from shared.schema_geometry import Motion
 from shared.schema_solid import Load, Solid
@@ -85,7 +86,7 @@ def make_beam(scene: Scene, body: FilledBody) -> Beam:
 
 def _section(solid: Solid, thickness: float, h: float) -> tuple[float, float, float]:
     """EA, GA*, EI of a metre of depth in plane strain."""
-    plane = solid.youngs_modulus / (1.0 - solid.poisson_ratio**2)
+    plane = plane_modulus(solid)
     bending = plane * thickness**3 / 12.0
     shear = SHEAR_FACTOR * thickness * solid.youngs_modulus / (2.0 * (1.0 + solid.poisson_ratio))
     return plane * thickness, 1.0 / (1.0 / shear + h * h / (12.0 * bending)), bending

@@ -7,6 +7,7 @@ import math
 import numpy as np
 from scipy.optimize import brentq
 
+from shared.elasticity import bulk_modulus
 from shared.geometry import own_box
 from shared.schema_solid import Solid, SolidBody
 
@@ -53,8 +54,7 @@ def _mode(solid: Solid, body: SolidBody, points: np.ndarray) -> tuple[np.ndarray
     shape, slope = cantilever_mode(wanted.mode, np.abs(own[:, axis] - face) / length)
     speed = wanted.tip_speed
     if speed is None:
-        bulk = solid.youngs_modulus / (3.0 * (1.0 - 2.0 * solid.poisson_ratio))
-        speed = wanted.tip_speed_over_c0 * math.sqrt(bulk / solid.density)
+        speed = wanted.tip_speed_over_c0 * math.sqrt(bulk_modulus(solid) / solid.density)
     across = np.array([outward[1], -outward[0]]) @ turn  # the way to the tip is −outward; a quarter turn on
     return speed * shape[:, None] * across, speed * slope / length
 

@@ -12,9 +12,10 @@ from collections.abc import Mapping
 import numpy as np
 
 from shared.contract import Description, Exchange, Frame, Kinematics, Loads, SolverFailed
+from shared.elasticity import lame, plane_modulus, wave_speed
 from shared.jit import use_threads
 from shared.schema import Scene
-from shared.solid_step import UPDATED_COURANT, lame, wave_speed
+from shared.solid_step import UPDATED_COURANT
 from solid_solver.bodies import nearest_gap
 from solid_solver.carried import Carried
 from solid_solver.energies import WorkBook, trapezoid
@@ -216,7 +217,7 @@ class UpdatedLagrangian:
         """G [Pa], c² = K/ρ0 [m²/s²], ρ0 [kg/m³], and E' [Pa] (0 but for the linear gradient: no curvature stress)."""
         solid = self._scene.solid
         lam, mu = lame(solid)
-        bending = solid.youngs_modulus / (1.0 - solid.poisson_ratio**2) if self._s.order == 1 else 0.0
+        bending = plane_modulus(solid) if self._s.order == 1 else 0.0
         return mu, (lam + 2.0 * mu / 3.0) / solid.density, solid.density, bending
 
     def _kinetic(self, k: int) -> float:

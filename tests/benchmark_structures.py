@@ -21,10 +21,10 @@ import numpy as np
 
 from shared.commands import default_threads
 from shared.contract import ShearwaterError
+from shared.elasticity import wave_speed
 from shared.geometry import own_box
 from shared.probes import read_probes
 from shared.scene import load_scene
-from shared.solid_step import wave_speed
 from shared.solo import run_alone
 from shared.statistics import relative_error, statistic
 from solid_solver.models import make_model

@@ -12,12 +12,13 @@ import math
 
 import numpy as np
 
+from shared.elasticity import lame, plane_modulus, wave_speed
 from shared.limbs import limbs
 from shared.regions import axes_of, faces, own_box
 from shared.schema import Scene
 from shared.schema_geometry import Body
 from shared.schema_solid import RIGID_MODELS, Load
-from shared.solid_step import first_frequency, lame, wave_speed
+from shared.solid_step import first_frequency
 
 FACES_OF_AXIS = (("left", "right"), ("bottom", "top"))
 _WHOLE = 0.99  # of a side, from which an edge of a polygon is that side
@@ -101,8 +102,7 @@ def swing_frequency(scene: Scene, body: Body, squeeze: float) -> float:
     ends, sides = held_ends(scene, body), held_sides(scene, body)
     flat = sum(side in FACES_OF_AXIS[1 - axis] for side in sides)
     if pushed_along(scene, body, axis):
-        plane = solid.youngs_modulus / (1.0 - solid.poisson_ratio**2)
-        return math.sqrt(plane / solid.density) / (length * (4.0 if ends == 1 else 2.0))
+        return math.sqrt(plane_modulus(solid) / solid.density) / (length * (4.0 if ends == 1 else 2.0))
     if flat and not ends:
         shear = math.sqrt(lame(solid)[1] / solid.density)
         speed = wave_speed(solid) if pushed_along(scene, body, 1 - axis) else shear

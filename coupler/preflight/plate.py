@@ -21,6 +21,7 @@ from coupler.preflight.held import (
 )
 from coupler.preflight.shapes import area
 from coupler.preflight.water import UPWARD, Water, edge_samples
+from shared.elasticity import wave_speed
 from shared.geometry import contains, outline, own_box
 from shared.regions import axes_of
 from shared.schema import Scene
@@ -34,7 +35,6 @@ from shared.solid_step import (
     expected_limit,
     lattice_step,
     viscous_time,
-    wave_speed,
 )
 
 STATIC_FACTOR = {1: 8.0, 2: 384.0}  # k in the largest deflection q L⁴/(k D) under a uniform load

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from coupler.preflight.shapes import area
-from shared.expected_speed import drifts, driven_speed, expected_speed, start_speed
+from shared.expected_speed import drifts, driven_speed, expected_speed, sound_speed, start_speed
 from shared.fluid_step import COURANT, fluid_step
 from shared.geometry import contains, distance_to, outline
 from shared.kernels import kernel_named
@@ -17,7 +17,6 @@ from shared.thin_walls import points_along
 from shared.wall_chains import lengths_of
 from shared.wall_speeds import lasting_faces
 
-MACH_AUTO = 0.1  # largest expected speed over the sound speed "auto"
 _BACKED = 0.75  # of dx: a wall or body this close behind the water's face holds it
 _MOMENTS = 50  # at which it is looked whether something is in the way of water that falls
 UPWARD = 0.7  # cosine against gravity beyond which a face of the water is its free surface
@@ -57,7 +56,7 @@ def measure_water(scene: Scene) -> Water:
     corners = np.concatenate([outline(body).reshape(-1, 2) for body in fluid.bodies])
     height = float(np.ptp(corners @ np.asarray(scene.gravity))) / g if g else float(np.ptp(corners[:, 1]))
     start, speed = start_speed(scene), expected_speed(scene)
-    sound = speed / MACH_AUTO if fluid.sound_speed == "auto" else fluid.sound_speed
+    sound = sound_speed(scene)
     h = fluid.h_over_dx * fluid.dx
     support = kernel_named(fluid.kernel).support * h
     courant = COURANT.get(fluid.model, 1.0) if fluid.courant == "auto" else fluid.courant
