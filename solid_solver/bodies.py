@@ -11,12 +11,13 @@ import numpy as np
 from scipy.spatial import cKDTree
 
 from shared.contract import BadInput
-from shared.geometry import Particles, faces, fill
+from shared.geometry import faces
 from shared.kernels import kernel_named
 from shared.motion_table import MotionTable
 from shared.schema import Scene
 from shared.schema_solid import SolidBody
 from solid_solver.clamps import FACE_POINT_WEIGHT, face_points
+from solid_solver.filled import FilledBody, filled_bodies
 from solid_solver.held import FIELDS, MovingClamp
 from solid_solver.quadratic_fit import Fit, basis, basis_slope, quadratic_fit
 from solid_solver.stencil import fast_axis_first
@@ -26,32 +27,16 @@ _TIE = 1.0e-6  # relative: particles this equally near to a point share in its v
 
 
 @dataclass(frozen=True)
-class LatticeBody:
-    """One body. `shape`: its table in the scene; `first`: number of its first particle among all bodies';
-    `position` (n, 2) [m], `index` (n, 2) whole numbers, `spacing` (2,) [m], `axes` (2, 2) unit vectors by row,
-    `origin` (2,): index = axes · position / spacing − origin; `clamped` (m, 2): held points [index units]; `moving`:
-    the clamps that follow a motion table."""
+class LatticeBody(FilledBody):
+    """One body whose points are particles, `spacing` and `axes` those of its longer direction first. `index` (n, 2)
+    whole numbers and `origin` (2,): index = axes · position / spacing − origin; `clamped` (m, 2): held points [index
+    units]; `moving`: the clamps that follow a motion table; `fit`: of the derivatives."""
 
-    shape: SolidBody
-    first: int
-    position: np.ndarray
     index: np.ndarray
-    spacing: np.ndarray
-    axes: np.ndarray
     origin: np.ndarray
     clamped: np.ndarray
     moving: tuple[MovingClamp, ...]
     fit: Fit
-
-    @property
-    def cell(self) -> float:
-        """Area of a particle's cell [m²]."""
-        return float(self.spacing[0] * self.spacing[1])
-
-    @property
-    def own(self) -> slice:
-        """Its particles among all bodies'."""
-        return slice(self.first, self.first + len(self.position))
 
     @property
     def scale(self) -> np.ndarray:
@@ -104,15 +89,10 @@ class LatticeBody:
                 yield m, a, 1.0 / len(owners), basis(s) if along is None else basis_slope(s, towards[m])
 
 
-def nearest_gap(place: np.ndarray, spacing: np.ndarray) -> float:
-    """Largest distance of a particle at `place` (n, 2) [m] to its nearest one, over the smaller `spacing` (2,)."""
-    return float(cKDTree(place).query(place, k=2)[0][:, 1].max() / spacing.min())
-
-
-def _lattice(particles: Particles) -> tuple[np.ndarray, ...]:
-    """Index (n, 2), spacing, axes and origin of a filled shape, the longer direction first."""
-    spacing, axes = np.array(particles.spacing), particles.axes
-    scaled = particles.position @ axes.T / spacing
+def _lattice(body: FilledBody) -> tuple[np.ndarray, ...]:
+    """Index (n, 2), spacing, axes and origin of a filled body, the longer direction first."""
+    spacing, axes = body.spacing, body.axes
+    scaled = body.position @ axes.T / spacing
     index = np.rint(scaled - scaled[0]).astype(np.int64)
     origin = np.mean(scaled - index, axis=0)
     order = fast_axis_first(index)
@@ -134,29 +114,22 @@ def _held_points(scene: Scene, shape: SolidBody, axes: np.ndarray, spacing: np.n
     return np.concatenate(points), np.concatenate(fields), tuple(moving)
 
 
-def _lattice_body(scene: Scene, shape: SolidBody, first: int) -> LatticeBody:
-    solid = scene.solid
-    particles = fill(shape, solid.dx)
-    if len(particles.position) == 0:
-        raise BadInput(f"Body '{shape.name}' holds no particle at solid.dx = {solid.dx:g} m; make solid.dx smaller.")
-    index, spacing, axes, origin = _lattice(particles)
+def _lattice_body(scene: Scene, filled: FilledBody) -> LatticeBody:
+    solid, shape = scene.solid, filled.shape
+    index, spacing, axes, origin = _lattice(filled)
     fixed, fields, moving = _held_points(scene, shape, axes, spacing)
     fixed, once = np.unique(np.round(fixed @ axes.T / spacing - origin, _ROUNDING), axis=0, return_index=True)
     fit = quadratic_fit(kernel_named(solid.kernel), solid.h_over_dx, index, fixed, FACE_POINT_WEIGHT, fields[once])
     if fit.deficient.any():
-        where = particles.position[np.argmax(fit.deficient)]
+        where = filled.position[np.argmax(fit.deficient)]
         raise BadInput(
             f"Body '{shape.name}' is too thin for its particles at ({where[0]:.4g}, {where[1]:.4g}) m: derivatives "
             f"need three or more particles across, and solid.dx is {solid.dx:g} m. "
             f"Make solid.dx at most a third of the thickness."
         )
-    return LatticeBody(shape, first, particles.position, index, spacing, axes, origin, fixed, moving, fit)
+    return LatticeBody(shape, filled.first, filled.position, spacing, axes, index, origin, fixed, moving, fit)
 
 
 def lattice_bodies(scene: Scene) -> list[LatticeBody]:
     """The scene's elastic bodies, particles numbered body by body. Raises BadInput for one too thin to resolve."""
-    result, first = [], 0
-    for shape in scene.solid.bodies:
-        result.append(_lattice_body(scene, shape, first))
-        first += len(result[-1].position)
-    return result
+    return [_lattice_body(scene, body) for body in filled_bodies(scene)]

@@ -1,4 +1,4 @@
-"""Bodies filled with the interface points that a particle solid would have, for models that need no neighbours."""
+"""Bodies filled with the interface points of a structure, and the probes of models that need no neighbours."""
 
 from __future__ import annotations
 
@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from functools import partial
 
 import numpy as np
+from scipy.spatial import cKDTree
 
 from shared.contract import BadInput
 from shared.geometry import fill
@@ -69,6 +70,11 @@ def body_probes(
         elif k is not None and probe.quantity in of_body:
             result[probe.name] = partial(of_body[probe.quantity], k)
     return result
+
+
+def nearest_gap(place: np.ndarray, spacing: np.ndarray) -> float:
+    """Largest distance of a point at `place` (n, 2) [m] to its nearest one, over the smaller `spacing` (2,)."""
+    return float(cKDTree(place).query(place, k=2)[0][:, 1].max() / spacing.min())
 
 
 def largest_speed(velocity: np.ndarray) -> float:

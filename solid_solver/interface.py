@@ -2,25 +2,17 @@
 
 from __future__ import annotations
 
-import math
+from collections.abc import Sequence
 
 import numpy as np
 
 from shared.contract import Description, Kinematics
+from shared.elasticity import wave_speed
 from shared.geometry import own_box
 from shared.limbs import thickness_of
 from shared.schema import Scene
 from shared.schema_solid import RIGID_MODELS
-from shared.solid_step import wave_speed
-from solid_solver.bodies import LatticeBody
 from solid_solver.filled import FilledBody
-
-
-def damped_kick(damping: float, tau: float) -> tuple[float, float]:
-    """Factors (e, τφ) of v ← e v + τφ a: the exact effect of a constant a and of −η v over `tau` [s]."""
-    if damping == 0.0:
-        return 1.0, tau
-    return math.exp(-damping * tau), -math.expm1(-damping * tau) / damping
 
 
 def thickness(scene: Scene) -> float:
@@ -31,26 +23,20 @@ def thickness(scene: Scene) -> float:
     return min(thickness_of(body) for body in scene.solid.bodies)
 
 
-def describe(scene: Scene, bodies: list[LatticeBody], stable_step: float) -> Description:
-    """The structure's description: every particle is an interface point."""
+def describe(scene: Scene, bodies: Sequence[FilledBody], stable_step: float) -> Description:
+    """The structure's description: the points of the particle lattice are its interface points."""
     solid = scene.solid
-    elastic = {
-        "wave_speed": wave_speed(solid),
-        "youngs_modulus": solid.youngs_modulus,
-        "poisson_ratio": solid.poisson_ratio,
+    numbers = {
+        "density": solid.density,
+        "thickness": thickness(scene),
+        "spacing_min": min(float(b.spacing.min()) for b in bodies),
     }
-    return _describe_points(scene, bodies, stable_step, elastic)
-
-
-def describe_rigid(scene: Scene, bodies: list[FilledBody], stable_step: float) -> Description:
-    """The structure's description: the points of the particle lattice."""
-    return _describe_points(scene, bodies, stable_step, {})
-
-
-def _describe_points(
-    scene: Scene, bodies: list[LatticeBody] | list[FilledBody], stable_step: float, numbers: dict[str, float]
-) -> Description:
-    solid = scene.solid
+    if solid.model not in RIGID_MODELS:
+        numbers |= {
+            "wave_speed": wave_speed(solid),
+            "youngs_modulus": solid.youngs_modulus,
+            "poisson_ratio": solid.poisson_ratio,
+        }
     return Description(
         name="solid",
         role="structure",
@@ -60,12 +46,7 @@ def _describe_points(
         position=np.concatenate([b.position for b in bodies]),
         volume=np.concatenate([np.full(len(b.position), b.cell) for b in bodies]),
         body=np.concatenate([np.full(len(b.position), k) for k, b in enumerate(bodies)]),
-        numbers={
-            "density": solid.density,
-            "thickness": thickness(scene),
-            "spacing_min": min(float(b.spacing.min()) for b in bodies),
-            **numbers,
-        },
+        numbers=numbers,
     )
 
 

@@ -108,7 +108,7 @@ def _dead_load(load: Load, body: LatticeBody, count: int, density: float) -> tup
     """Acceleration (count, 2) [m/s²] by one load, and the force (2,) [N/m] that it puts on the clamps directly."""
     if load.traction is None:
         field = np.zeros((count, 2))
-        field[body.first : body.first + len(body.position)] = load.acceleration
+        field[body.own] = load.acceleration
         return field, np.zeros(2)
     force = traction_forces(body, load.face, load.traction, count)
     _, lengths = face_points(faces(body.shape)[load.face], body.axes, body.spacing)

@@ -127,9 +127,8 @@ def solid_probes(scene: Scene, bodies: list[LatticeBody]) -> dict[str, Value]:
         elif probe.quantity in STRESSES:
             result[probe.name] = _stress(probe, body)
         else:
-            own = slice(body.first, body.first + len(body.position))
             mass = np.full(len(body.position), scene.solid.density * body.cell)
-            result[probe.name] = _of_body(probe.quantity, k, own, mass)
+            result[probe.name] = _of_body(probe.quantity, k, body.own, mass)
     return result
 
 

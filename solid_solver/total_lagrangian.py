@@ -18,11 +18,13 @@ import numpy as np
 from shared.contract import Description, Exchange, Frame, Kinematics, Loads, SolverFailed
 from shared.jit import use_threads
 from shared.schema import Scene
-from solid_solver.bodies import lattice_bodies, nearest_gap
+from solid_solver.bodies import lattice_bodies
 from solid_solver.carried import Carried
+from solid_solver.damping import damped_kick
 from solid_solver.energies import WorkBook, trapezoid
+from solid_solver.filled import nearest_gap
 from solid_solver.initial import start_velocity, stretched
-from solid_solver.interface import damped_kick, describe, kinematics_over_window
+from solid_solver.interface import describe, kinematics_over_window
 from solid_solver.lattice import Lattice
 from solid_solver.loads import scheduled_loads
 from solid_solver.probes import Observed, kinetic_energy, solid_probes, wants_work

@@ -16,10 +16,11 @@ from shared.elasticity import lame, plane_modulus, wave_speed
 from shared.jit import use_threads
 from shared.schema import Scene
 from shared.solid_step import UPDATED_COURANT
-from solid_solver.bodies import nearest_gap
 from solid_solver.carried import Carried
+from solid_solver.damping import damped_kick
 from solid_solver.energies import WorkBook, trapezoid
-from solid_solver.interface import damped_kick, describe, kinematics_over_window
+from solid_solver.filled import nearest_gap
+from solid_solver.interface import describe, kinematics_over_window
 from solid_solver.loads import scheduled_loads
 from solid_solver.probes import Observed, kinetic_energy, solid_probes, wants_work
 from solid_solver.updated_fields import AX, RHO, M, U, V, X, Y
