@@ -2,7 +2,11 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from pathlib import Path
+
+from shared.scene import load_scene
+from shared.schema import Scene
 
 TINY_COUPLED = """\
 schema = 1
@@ -53,6 +57,40 @@ quantity = "force-y"
 frames = 5
 average_from = {average_from}
 """
+
+
+SPRUNG = """
+schema = 1
+title = "1 m of water on a sprung block"
+end_time = 0.9
+gravity = [0.0, -9.81]
+[fluid]
+model = "column"
+dx = 0.05
+bodies = [{ name = "water", rectangle = [0.0, 0.0, 0.2, 1.0] }]
+column = { far_end = "open", compressible = false }
+[solid]
+model = "spring"
+dx = 0.05
+density = 2000.0
+spring = { stiffness = [1e9, 5e4, 1e9], damping = [0.0, 0.0, 0.0] }
+bodies = [{ name = "block", rectangle = [0.0, -0.1, 0.2, 0.0] }]
+[output]
+probe_interval = 0.01
+[[probes]]
+name = "y"
+quantity = "displacement-y"
+body = "block"
+point = [0.1, 0.0]
+"""
+"""Water that moves with a rigid body as one."""
+
+
+def scene_of(text: str, folder: Path, sets: Sequence[str] = ()) -> Scene:
+    """The scene of a `text`, written to `folder`, changed by `sets`."""
+    path = folder / "case.toml"
+    path.write_text(text, encoding="utf-8")
+    return load_scene(path, sets)
 
 
 def tiny_coupled(

@@ -13,6 +13,7 @@ from fluid_solver.models import make_model
 from shared.contract import BadInput, Kinematics
 from shared.scene import load_scene
 from tests.coupled_models import couple, piston
+from tests.scenes import SPRUNG, scene_of
 
 AROUND = [[-0.1, -0.1], [1.1, -0.1], [1.1, 0.2], [1.0, 0.2], [1.0, 0.0], [0.0, 0.0], [0.0, 0.2], [-0.1, 0.2]]
 RHO, C, LENGTH, HEIGHT = 1000.0, 50.0, 1.0, 0.2
@@ -107,9 +108,7 @@ clamps = [{ body = "plate", face = "left" }, { body = "plate", face = "right" }]
 @pytest.mark.parametrize(("model", "error"), [("beam", 0.06), ("total-lagrangian", 0.09)])  # this one 4 across
 def test_incompressible_water_holds_on_a_plate_whatever_the_window(tmp_path, model, error, window):
     """It swings about q L⁴/(720 D), the mean deflection, from 0 to twice that: no mode of the plate is driven."""
-    path = tmp_path / "plate.toml"
-    path.write_text(PLATE)
-    scene = load_scene(path, [f"solid.model={model}", f"coupling.window={window}", "solid.dx=5e-3"])
+    scene = scene_of(PLATE, tmp_path, [f"solid.model={model}", f"coupling.window={window}", "solid.dx=5e-3"])
     moved = couple(scene, along=(0.0, 1.0)).points
     stiffness = 2.1e9 * 0.02**3 / (12.0 * (1.0 - 0.3**2))
     static = (1000.0 * 1.0 + 2000.0 * 0.02) * 9.81 * 0.4**4 / (720.0 * stiffness)
@@ -118,37 +117,10 @@ def test_incompressible_water_holds_on_a_plate_whatever_the_window(tmp_path, mod
     assert np.mean(moved) == pytest.approx(-static, rel=error)
 
 
-SPRUNG = """
-schema = 1
-title = "1 m of water on a sprung block"
-end_time = 0.9
-gravity = [0.0, -9.81]
-[fluid]
-model = "column"
-dx = 0.05
-bodies = [{ name = "water", rectangle = [0.0, 0.0, 0.2, 1.0] }]
-column = { far_end = "open", compressible = false }
-[solid]
-model = "spring"
-dx = 0.05
-density = 2000.0
-spring = { stiffness = [1e9, 5e4, 1e9], damping = [0.0, 0.0, 0.0] }
-bodies = [{ name = "block", rectangle = [0.0, -0.1, 0.2, 0.0] }]
-[output]
-probe_interval = 0.01
-[[probes]]
-name = "y"
-quantity = "displacement-y"
-body = "block"
-point = [0.1, 0.0]
-"""
-
-
 def test_an_automatic_window_resolves_the_swing_and_the_rows(tmp_path):
     """T = 2π √((m + ρ L b)/k) = 0.435 s: a spring that the water does not push against has no say."""
-    path = tmp_path / "sprung.toml"
-    path.write_text(SPRUNG)
-    run = run_coupled(load_scene(path), "sprung", tmp_path / "run", {"fluid": 1, "solid": 1}, True, "inprocess")
+    scene = scene_of(SPRUNG, tmp_path)
+    run = run_coupled(scene, "sprung", tmp_path / "run", {"fluid": 1, "solid": 1}, True, "inprocess")
     assert run.result["preflight"]["window"] <= 0.01
     assert run.result["probes"]["y"]["min"] == pytest.approx(-2.0 * 240.0 * 9.81 / 5e4, rel=1e-3)
     assert run.result["probes"]["y"]["t_min"] % 0.4353 == pytest.approx(0.2177, abs=0.006)

@@ -15,8 +15,7 @@ from shared.commands import conclude
 from shared.contract import BadInput, Kinematics
 from shared.probes import ProbeTable, probe_units
 from shared.results import make_result
-from shared.scene import load_scene
-from tests.test_column import SPRUNG
+from tests.scenes import SPRUNG, scene_of
 
 TANK = """\
 schema = 1
@@ -54,11 +53,6 @@ bodies = [{ name = "window", rectangle = [0.5, 0.0, 0.51, 0.5] }]
 clamps = [{ body = "window", face = "bottom" }, { body = "window", face = "top" }]
 """
 )
-
-
-def scene_of(text, folder, sets=()):
-    (folder / "case.toml").write_text(text, encoding="utf-8")
-    return load_scene(folder / "case.toml", sets)
 
 
 def left_out(scene):

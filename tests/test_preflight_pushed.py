@@ -11,7 +11,8 @@ from coupler.preflight.error_solid import of_structure
 from coupler.preflight.ladder import ladder
 from coupler.preflight.numbers import scene_numbers
 from coupler.preflight.rules import findings
-from tests.test_preflight_structures import AT_ONE_END, CLAMPED, text_scene
+from tests.scenes import scene_of
+from tests.test_preflight_structures import AT_ONE_END, CLAMPED
 
 BAR = (*AT_ONE_END, "solid.youngs_modulus=1e7", "solid.damping=0", "end_time=0.0816", "output.average_from=0")
 PULLED = 'solid.loads=[{ body = "plate", face = "right", traction = [1000.0, 0.0] }]'
@@ -43,7 +44,7 @@ DISC = (
 
 
 def numbers(folder, *sets):
-    scene = text_scene(folder, CLAMPED, *sets)
+    scene = scene_of(CLAMPED, folder, sets)
     return scene, scene_numbers(scene)
 
 
@@ -106,7 +107,7 @@ def test_a_pressed_cantilever_is_soft_and_buckles(tmp_path, share, verdict):
         assert any("buckles" in rung.reason for rung in ladder(scene))
         return
     assert n.plate.frequency == pytest.approx(plain.frequency * math.sqrt(1.0 - share))
-    straight = text_scene(tmp_path, CLAMPED, *AT_ONE_END, "solid.loads[0].traction=[0.0, 0.01]")
+    straight = scene_of(CLAMPED, tmp_path, [*AT_ONE_END, "solid.loads[0].traction=[0.0, 0.01]"])
     assert of_structure(scene, n) == pytest.approx(of_structure(straight, scene_numbers(straight)) / (1.0 - share))
 
 
@@ -130,7 +131,7 @@ def test_a_hanging_cantilever_is_stiffer_and_a_standing_one_softer(tmp_path):
 )
 def test_clamps_on_long_faces_and_ledges(tmp_path, sets, error):
     """Errors of runs that came to rest, against quadratic elements."""
-    scene = text_scene(tmp_path, CLAMPED, *sets)
+    scene = scene_of(CLAMPED, tmp_path, sets)
     assert error <= of_structure(scene, scene_numbers(scene)) <= 2.5 * error
 
 

@@ -16,6 +16,7 @@ from fluid_solver.models import make_model as make_fluid
 from shared.contract import BadInput
 from shared.scene import load_scene
 from solid_solver.models import make_model as make_solid
+from tests.scenes import scene_of
 
 RAFT = """\
 schema = 1
@@ -117,11 +118,6 @@ BLOCK = (
     .replace("[0.3, 0.21]", "[0.2, 0.145]")
     .replace("average_from = 1.5", "average_from = 0.6")
 )
-
-
-def scene_of(text: str, folder, sets=()):
-    (folder / "case.toml").write_text(text, encoding="utf-8")
-    return load_scene(folder / "case.toml", sets)
 
 
 def bounds(scene) -> dict[str, float]:

@@ -12,7 +12,7 @@ from coupler.preflight.error import error_parts
 from coupler.preflight.numbers import scene_numbers
 from shared.plain import plain
 from shared.scene import load_scene
-from tests.test_column import SPRUNG
+from tests.scenes import SPRUNG, scene_of
 
 HEAD = """\
 schema = 1
@@ -97,9 +97,7 @@ quantity = "force-y"
 
 
 def report(tmp_path, text, *sets):
-    path = tmp_path / "scene.toml"
-    path.write_text(HEAD + text, encoding="utf-8")
-    scene = load_scene(path, sets)
+    scene = scene_of(HEAD + text, tmp_path, sets)
     found = preflight(scene)
     json.dumps(plain(found.as_dict()), allow_nan=False)
     return found

@@ -15,6 +15,7 @@ from shared.scene import load_scene
 from shared.solid_step import LATTICE_SHARE, lattice_step
 from shared.solo import run_alone
 from solid_solver.models import make_model
+from tests.scenes import scene_of
 
 RINGING = ("solid.model=beam", "solid.damping=0")
 STRAIN_ENERGY = 'probes=[{ name = "mid_y", quantity = "strain-energy", body = "beam" }]'
@@ -101,12 +102,6 @@ def bound(case, *sets):
     return error_bound(scene, scene_numbers(scene))
 
 
-def text_scene(folder, text, *sets):
-    path = folder / "scene.toml"
-    path.write_text(text, encoding="utf-8")
-    return load_scene(path, sets)
-
-
 @pytest.mark.parametrize(("sets", "damped"), [((), True), ((STRAIN_ENERGY, "references=[]"), False)])
 def test_only_means_linear_in_the_displacement_are_damped(sets, damped):
     """Damped, a ringing beam's mean strain energy would fall to two thirds."""
@@ -161,7 +156,7 @@ def test_a_period_needs_two_of_them(mode, refused):
 
 def test_the_body_that_the_goal_asks_about_is_judged(tmp_path):
     """The strip swings for seconds; the bracket has come to rest. What a spacing must resolve is the thinner one."""
-    scene = text_scene(tmp_path, TWO_BODIES)
+    scene = scene_of(TWO_BODIES, tmp_path)
     plate = scene_numbers(scene).plate
     assert (plate.name, plate.thickness, plate.thinnest) == ("bracket", 0.06, pytest.approx(0.02))
     assert 0.0172 <= error_bound(scene, scene_numbers(scene)) <= 0.04
@@ -176,7 +171,7 @@ def test_three_times_as_long_as_thick_is_three_times():
 
 @pytest.mark.parametrize(("level", "pressure"), [(0.5, 0.0), (0.3, 0.2 * 9810.0)])
 def test_a_plate_between_two_waters_bears_the_difference_of_their_levels(tmp_path, level, pressure):
-    plate = scene_numbers(text_scene(tmp_path, BETWEEN_LEVELS.replace("LEVEL", str(level)))).plate
+    plate = scene_numbers(scene_of(BETWEEN_LEVELS.replace("LEVEL", str(level)), tmp_path)).plate
     assert plate.wet == 2
     weight = 0.315 * (1200.0 - 1000.0) * 9.81 * 0.04 * 0.6
     assert plate.squeeze == pytest.approx(weight * 4.0 * 0.6**2 / (math.pi**2 * plate.stiffness))
@@ -208,12 +203,12 @@ def test_viscosity_beyond_measure_is_refused_for_its_steps():
 )
 def test_clamps_are_bounded_by_what_2d_elasticity_says_of_them(tmp_path, sets, error):
     """Errors of runs under a uniform load that came to rest, against quadratic elements."""
-    scene = text_scene(tmp_path, CLAMPED, *sets, "solid.loads[0].traction=[0.0, -0.01]")
+    scene = scene_of(CLAMPED, tmp_path, [*sets, "solid.loads[0].traction=[0.0, -0.01]"])
     assert error <= of_structure(scene, scene_numbers(scene)) <= 2.5 * error
 
 
 def test_a_force_at_the_tip_is_no_load_all_over(tmp_path):
     """F L³/3D, at the table's largest factor; not the tip's traction over the whole length."""
     load = '{ body = "plate", face = "right", traction = [0.0, 2.0], table = { times = [0, 1], factors = [0, -4] } }'
-    plate = scene_numbers(text_scene(tmp_path, CLAMPED, *AT_ONE_END, f"solid.loads=[{load}]")).plate
+    plate = scene_numbers(scene_of(CLAMPED, tmp_path, [*AT_ONE_END, f"solid.loads=[{load}]"])).plate
     assert plate.deflection == pytest.approx(0.8 / (3.0 * plate.stiffness))

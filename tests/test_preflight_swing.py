@@ -15,6 +15,7 @@ from coupler.preflight.ladder import ladder
 from coupler.preflight.numbers import scene_numbers
 from coupler.preflight.swing import radiates, swing
 from shared.scene import load_scene
+from tests.scenes import scene_of
 
 FLOOR = """\
 schema = 1
@@ -82,9 +83,7 @@ DAMPED = "solid.damping=532"
 
 
 def floor(tmp_path, *sets):
-    path = tmp_path / "scene.toml"
-    path.write_text(FLOOR, encoding="utf-8")
-    return load_scene(path, list(sets))
+    return scene_of(FLOOR, tmp_path, sets)
 
 
 @pytest.mark.parametrize(
@@ -181,9 +180,7 @@ average_from = 0.12
 
 def test_a_plate_that_water_flows_round_does_not_feel_the_tanks_length(tmp_path):
     """Found 1.9 % off; with echoes from the far wall the bound was 66 %."""
-    path = tmp_path / "scene.toml"
-    path.write_text(SIDES, encoding="utf-8")
-    scene = load_scene(path)
+    scene = scene_of(SIDES, tmp_path)
     numbers = scene_numbers(scene)
     assert swing(scene, numbers).omega == pytest.approx(2.0 * math.pi * numbers.joint.wet_frequency)
     assert 0.0189 < error_bound(scene, numbers) < 4.0 * 0.0189

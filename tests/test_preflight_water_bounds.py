@@ -12,7 +12,8 @@ from coupler.preflight.ladder import ladder, smallest
 from coupler.preflight.numbers import scene_numbers
 from coupler.preflight.rules import findings
 from shared.scene import load_scene
-from tests.test_preflight_fluids import TANK, scene_of
+from tests.scenes import scene_of
+from tests.test_preflight_fluids import TANK
 
 VORTICES = """\
 schema = 1

@@ -13,7 +13,7 @@ from shared.contract import BadInput, Loads, SolverFailed
 from shared.geometry import fill
 from shared.scene import load_scene, scene_warnings
 from tests.beam_models import WATER, cantilever, history, plate_b
-from tests.scenes import tiny_coupled
+from tests.scenes import scene_of, tiny_coupled
 from tests.solid_scenes import run
 
 # ---- contract -------------------------------------------------------------------------------------------------
@@ -116,9 +116,7 @@ def test_what_is_no_beam_is_refused(tmp_path, old, new, told):
 
 
 def test_one_row_of_points_is_enough_alone_but_not_for_a_fluid(tmp_path):
-    path = tmp_path / "scene.toml"
-    path.write_text(SCENE)
-    assert scene_warnings(load_scene(path, ["solid.dx=0.05"])) == []
+    assert scene_warnings(scene_of(SCENE, tmp_path, ["solid.dx=0.05"])) == []
     scene = tiny_coupled(tmp_path, solid="beam", solid_dx=1.0e-2)
     with pytest.raises(BadInput, match="one row of points across 'plate'"):
         load_scene(scene)

@@ -9,7 +9,7 @@ import pytest
 
 from fluid_solver.still import StillWater
 from shared.contract import Kinematics, SolverFailed
-from shared.scene import load_scene
+from tests.scenes import scene_of
 
 G, RHO = 9.81, 1000.0
 TANK = """
@@ -43,9 +43,7 @@ RAFT = '{ name = "raft", rectangle = [0.2, 0.3, 0.3, 0.5] }'
 
 
 def water(tmp_path, waters, solids):
-    path = tmp_path / "pool.toml"
-    path.write_text(TANK.format(waters=waters, solids=solids), encoding="utf-8")
-    return StillWater(load_scene(str(path)), coupled=True, threads=1)
+    return StillWater(scene_of(TANK.format(waters=waters, solids=solids), tmp_path), coupled=True, threads=1)
 
 
 def moved(model, move):
