@@ -15,7 +15,6 @@ import fcntl
 import hashlib
 import io
 import json
-import os
 import shlex
 import shutil
 import time
@@ -27,9 +26,10 @@ from typing import Any, TextIO
 import h5py
 import numpy as np
 
-from shared.contract import BadInput, ShearwaterError
+from shared.contract import BadInput
 from shared.plain import plain
 from shared.unwritable import cannot_write
+from shared.whole import write_whole
 
 State = dict[str, np.ndarray]
 """Named arrays; a name may be a path like "loads/0/force"."""
@@ -38,6 +38,7 @@ FOLDER = "checkpoints"
 _KEPT = 2
 _PATIENCE_S = 20.0  # the solvers of a coupler that was killed end by themselves within seconds
 _MANIFEST = "manifest.json"
+_WHAT, _INSTEAD = "The checkpoint", ", do without (--set output.checkpoint_every=0)"
 AGAIN = "Start it again with `run` and a new directory (--out DIR): runs are never overwritten."
 """The way out where a run cannot go on."""
 
@@ -58,7 +59,7 @@ def write_state(path: Path, state: Mapping[str, np.ndarray]) -> None:
     with h5py.File(image, "w") as file:
         for name, array in state.items():
             file[name] = array
-    _write(path, image.getvalue())
+    write_whole(_WHAT, path, image.getvalue(), _INSTEAD)
 
 
 def read_state(path: Path) -> State:
@@ -129,7 +130,7 @@ class Checkpoints:
             self._root.mkdir(exist_ok=True)
             folder.mkdir()
         except OSError as error:
-            raise _cannot_write(folder, error) from error
+            raise cannot_write(_WHAT, folder, error, _INSTEAD) from error
         return folder
 
     def seal(self, folder: Path, window: int, now: float, notes: Mapping[str, Any]) -> None:
@@ -137,7 +138,7 @@ class Checkpoints:
         parts = {path.name: _checksum(path) for path in sorted(folder.glob("*.h5"))}
         manifest = {"window": window, "t": now, "parts": parts, "notes": plain(notes)}
         manifest["sum"] = _sum(manifest)
-        _write(folder / _MANIFEST, json.dumps(manifest, indent=1).encode())
+        write_whole(_WHAT, folder / _MANIFEST, json.dumps(manifest, indent=1).encode(), _INSTEAD)
         for old in sorted(self._root.glob("window-*"))[:-_KEPT]:
             shutil.rmtree(old, ignore_errors=True)
         self._last = time.monotonic()
@@ -236,19 +237,6 @@ def claim(run_dir: Path) -> TextIO:
             time.sleep(0.1)
 
 
-def _write(path: Path, data: bytes) -> None:
-    unfinished = path.with_name(path.name + ".tmp")
-    try:
-        with unfinished.open("wb") as file:
-            file.write(data)
-            file.flush()
-            os.fsync(file.fileno())
-        os.replace(unfinished, path)
-    except OSError as error:
-        unfinished.unlink(missing_ok=True)
-        raise _cannot_write(path, error) from error
-
-
 def _checksum(path: Path) -> str:
     with path.open("rb") as file:
         return hashlib.file_digest(file, "sha256").hexdigest()
@@ -256,7 +244,3 @@ def _checksum(path: Path) -> str:
 
 def _sum(manifest: Mapping[str, Any]) -> str:
     return hashlib.sha256(json.dumps(manifest, sort_keys=True).encode()).hexdigest()
-
-
-def _cannot_write(path: Path, error: OSError) -> ShearwaterError:
-    return cannot_write("The checkpoint", path, error, ", do without (--set output.checkpoint_every=0)")

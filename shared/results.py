@@ -20,7 +20,7 @@ from shared.contract import BadInput
 from shared.plain import plain
 from shared.probes import ProbeTable, compare, goal_value
 from shared.schema import Scene
-from shared.unwritable import cannot_write
+from shared.whole import write_whole
 
 RESULT_SCHEMA = 1
 
@@ -160,17 +160,9 @@ def _complete(given: Mapping[str, Any] | None, keys: tuple[str, ...]) -> dict[st
 def write_result(run_dir: Path, result: Mapping[str, Any]) -> Path:
     """Write `result` to result.json: all of it or nothing, strict JSON (what is not finite becomes null)."""
     path = Path(run_dir) / "result.json"
-    unfinished = path.with_suffix(".json.tmp")
-    try:
-        # A file name that is not text has parts that UTF-8 has not; JSON can escape them.
-        with unfinished.open("w", encoding="utf-8", errors="backslashreplace") as file:
-            json.dump(plain(result), file, indent=1, allow_nan=False, ensure_ascii=False)
-            file.write("\n")
-            file.flush()
-            os.fsync(file.fileno())
-        os.replace(unfinished, path)
-    except OSError as error:
-        raise cannot_write("The result", path, error) from error
+    text = json.dumps(plain(result), indent=1, allow_nan=False, ensure_ascii=False) + "\n"
+    # A file name that is not text has parts that UTF-8 has not; JSON can escape them.
+    write_whole("The result", path, text.encode(errors="backslashreplace"))
     return path
 
 
