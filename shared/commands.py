@@ -20,7 +20,7 @@ from shared.scene import scene_warnings
 from shared.schema import Scene
 from shared.start import INTERRUPTED, on_stop_signals
 from shared.stopping import STOP, ask_once_more
-from shared.streams import lost_output
+from shared.streams import lost_output, say
 from shared.unwritable import met_limit
 
 Case = Annotated[str, typer.Argument(help="A scene file, or the name of a shipped case.", show_default=False)]
@@ -51,26 +51,22 @@ def run_app(app: typer.Typer) -> None:
     except SystemExit as end:  # usage errors end with 2, Ctrl-C with 130
         code = end.code
     except ShearwaterError as error:
-        _say(f"error: {error}")
+        say(f"error: {error}")
         code = error.exit_code
     except (OSError, MemoryError, RuntimeError) as error:
         limit = met_limit(error)
         if limit is None and not isinstance(error, OSError):
             raise
         check = f"{error}; check the disk's free space and the rights on the run directory, then run again"
-        _say(f"error: {limit or check}")
+        say(f"error: {limit or check}")
         code = 3
     if not code and (lost := lost_output()):
-        _say(f"error: not all could be printed ({lost}); free some space there and ask again (of a run all is kept)")
+        say(f"error: not all could be printed ({lost}); free some space there and ask again (of a run all is kept)")
         code = 3
     if code == INTERRUPTED:
-        _say("interrupted; what was computed is kept")
+        say("interrupted; what was computed is kept")
     on_stop_signals(signal.SIG_IGN)
     sys.exit(code)
-
-
-def _say(text: str) -> None:
-    print(text, file=sys.stderr, flush=True)
 
 
 def default_threads() -> int:
@@ -86,7 +82,7 @@ def case_name(case: str) -> str:
 def warn(scene: Scene) -> None:
     """Print the scene's warnings."""
     for text in scene_warnings(scene):
-        _say(f"warning: {text}")
+        say(f"warning: {text}")
 
 
 def conclude(record: Record, quiet: bool) -> None:
@@ -94,7 +90,7 @@ def conclude(record: Record, quiet: bool) -> None:
     missing."""
     result = record.result
     for wrong in filter(None, (loss(result), missed(result))):
-        _say(f"warning: {wrong}")
+        say(f"warning: {wrong}")
     if quiet:
         return
     console = Console()

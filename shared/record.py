@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import re
-import sys
 import time
 from collections.abc import Mapping
 from pathlib import Path
@@ -17,6 +16,7 @@ from shared.results import environment, make_result, write_result
 from shared.scene import dump_scene
 from shared.schema import Scene
 from shared.stopping import STOP
+from shared.streams import say
 from shared.unwritable import cannot_write, met_limit
 
 _OF_THE_SYSTEM = re.compile(r"\[Errno \d+\]")
@@ -106,12 +106,12 @@ class Record:
             except (ShearwaterError, OSError) as another:
                 if error is None:
                     raise
-                _say(f"warning: {another}")
+                say(f"warning: {another}")
         self.claim.close()
         # That of a lost participant is part of its error.
         cut = status == "interrupted" or (status == "lost" and not isinstance(error, ParticipantLost))
         if cut and (way := way_on(self.run_dir)):
-            _say(way)
+            say(way)
         STOP.ending = status == "interrupted"
 
     def _conclude(self, status: str, reason: str) -> None:
@@ -133,10 +133,6 @@ class Record:
         from shared.pictures import draw_pictures  # loads for half a second
 
         self.pictures = draw_pictures(self.run_dir, self._scene)
-
-
-def _say(text: str) -> None:
-    print(text, file=sys.stderr, flush=True)
 
 
 def _status(error: BaseException | None) -> tuple[str, str]:

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import json
 import shlex
-import sys
 import tomllib
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
@@ -17,6 +16,7 @@ from shared.plain import plain
 from shared.results import environment
 from shared.scene import load_scene
 from shared.schema import Scene
+from shared.streams import say
 from shared.vtkhdf import check_frames
 
 _FREE = ("coupling.stall_after", "output.checkpoint_every")  # keys that no result depends on
@@ -64,7 +64,7 @@ def _found(run_dir: Path) -> tuple[Scene, Checkpoint]:
         )
     if other := other_environment(last):
         much = "" if any(one.startswith("sources ") for one in other) else " in the last bits"
-        print(f"warning: results may differ{much}: {'; '.join(other)}", file=sys.stderr)
+        say(f"warning: results may differ{much}: {'; '.join(other)}")
     for path in (run_dir / f"{side}.vtkhdf" for side in last.notes["threads"]):
         if path.exists():
             check_frames(path)
@@ -75,7 +75,7 @@ def _found(run_dir: Path) -> tuple[Scene, Checkpoint]:
 
 def _warn_of(complaints: Iterable[str], consequence: str) -> None:
     for text in complaints:
-        print(f"warning: {text}: {consequence}", file=sys.stderr)
+        say(f"warning: {text}: {consequence}")
 
 
 def _changes(then: str, now: str) -> list[str]:

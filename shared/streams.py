@@ -40,6 +40,11 @@ def _stream(number: int, like: io.TextIOWrapper | None) -> io.TextIOWrapper:
     return io.TextIOWrapper(io.BufferedWriter(_Unheard(number, "w", closefd=False)), **options)
 
 
+def say(text: str) -> None:
+    """Print a line on standard error, at once."""
+    print(text, file=sys.stderr, flush=True)
+
+
 def lost_output() -> OSError | None:
     """Why not all that was printed has arrived where somebody could read it, if so."""
     with contextlib.suppress(AttributeError):  # not one of ours

@@ -6,7 +6,6 @@
 from __future__ import annotations
 
 import math
-import sys
 from dataclasses import asdict, dataclass
 from typing import Any
 
@@ -19,6 +18,7 @@ from coupler.preflight.rules import findings
 from coupler.preflight.window import expected_window
 from shared.contract import BadInput
 from shared.schema import Scene
+from shared.streams import say
 
 _ORDER = ("ok", "warn", "refuse")
 
@@ -94,7 +94,7 @@ def warn_of(report: Preflight) -> None:
     """Print the warnings of the report, one line each, on standard error."""
     for f in report.findings:
         if f.verdict == "warn":
-            print(f"warning: pre-flight: {f.rule} = {f.value:.4g}: {f.reason} → {f.way_out}", file=sys.stderr)
+            say(f"warning: pre-flight: {f.rule} = {f.value:.4g}: {f.reason} → {f.way_out}")
 
 
 def actual(result: dict[str, Any], scene: Scene) -> dict[str, Any]:
