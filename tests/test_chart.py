@@ -15,6 +15,7 @@ from coupler.chart.truth import spread
 from coupler.chart.variants import study_variants
 from shared.contract import BadInput
 from shared.scene import shipped_cases
+from tests.charts import loaded_beam
 
 
 def point(cost, error, dx=1.0, series="one"):
@@ -57,10 +58,7 @@ sets = ["solid.model=beam", "solid.loads[0].traction=[0.0, -2e9]"]
 
 @pytest.fixture
 def case(tmp_path):
-    text = shipped_cases()["udl_beam"].read_text(encoding="utf-8").partition("[study]")[0]
-    path = tmp_path / "small.toml"
-    path.write_text(text + STUDY, encoding="utf-8")
-    return str(path)
+    return loaded_beam(tmp_path, STUDY)
 
 
 def test_a_chart_runs_once_says_what_is_enough_and_keeps_failures(case, tmp_path):

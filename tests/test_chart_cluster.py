@@ -17,7 +17,7 @@ from coupler.chart import cluster as chart_cluster
 from coupler.chart.files import summary, write_chart
 from coupler.chart.study import make_chart
 from shared.contract import BadInput
-from shared.scene import shipped_cases
+from tests.charts import loaded_beam, wait_until
 
 distributed = pytest.importorskip("distributed", reason="the extra `dask` is not installed")
 psutil = pytest.importorskip("psutil")
@@ -38,11 +38,8 @@ def study(tmp_path):
     """Writes the loaded beam with a study of such families."""
 
     def write(*families):
-        text = shipped_cases()["udl_beam"].read_text(encoding="utf-8").partition("[study]")[0]
-        text += '[study]\ntruth = "2-D elasticity"\nsets = ["output.frames=1"]\n'
-        path = tmp_path / "small.toml"
-        path.write_text(text + "".join(FAMILY.format(*family) for family in families), encoding="utf-8")
-        return str(path)
+        head = '[study]\ntruth = "2-D elasticity"\nsets = ["output.frames=1"]\n'
+        return loaded_beam(tmp_path, head + "".join(FAMILY.format(*family) for family in families))
 
     return write
 
@@ -78,13 +75,6 @@ def runs_below(process):
         with contextlib.suppress(psutil.Error, OSError):  # it has just ended
             found.setdefault((Path(child.cwd()) / "small.toml").read_text(encoding="utf-8"), []).append(child)
     return found
-
-
-def wait_until(condition, within_s=30.0):
-    end = time.monotonic() + within_s
-    while not condition():
-        assert time.monotonic() < end
-        time.sleep(0.1)
 
 
 def test_two_workers_run_a_study_once_and_keep_failures(study, cluster, tmp_path):

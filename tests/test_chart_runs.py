@@ -18,7 +18,7 @@ from shared.checkpoint import claim, newest
 from shared.contract import BadInput, ParticipantLost, SolverFailed
 from shared.record import _status
 from shared.results import environment
-from shared.scene import shipped_cases
+from tests.charts import loaded_beam, wait_until
 
 pytestmark = pytest.mark.timeout(180)
 
@@ -34,10 +34,7 @@ RESULT |= {"references": [], "cost": {}, "environment": environment({})}
 
 @pytest.fixture
 def case(tmp_path):
-    text = shipped_cases()["udl_beam"].read_text(encoding="utf-8").partition("[study]")[0]
-    path = tmp_path / "small.toml"
-    path.write_text(text + STUDY, encoding="utf-8")
-    return str(path)
+    return loaded_beam(tmp_path, STUDY)
 
 
 def test_faults_of_the_machine_are_not_those_of_what_was_computed():
@@ -113,13 +110,6 @@ def test_a_run_that_goes_on_is_not_torn_down(tmp_path):
 def chart(case, folder, *more):
     words = [sys.executable, "-m", "coupler", "chart", case, "--out", str(folder), "--set", "end_time=1000.0", *more]
     return subprocess.Popen(words, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, start_new_session=True)
-
-
-def wait_until(condition, within_s=60.0):
-    end = time.monotonic() + within_s
-    while not condition():
-        assert time.monotonic() < end
-        time.sleep(0.1)
 
 
 def marching(folder, count):
