@@ -8,9 +8,9 @@ from pathlib import Path
 import numpy as np
 
 from shared.drawing import FAINT, FONT_PT, INK, axes_at, largest_size, new_figure, save, si_scale
-from shared.probes import UNITS, read_probes, reference_curve
+from shared.probes import read_probes, reference_curve
 from shared.schema import Scene
-from shared.schema_probes import Probe, Reference
+from shared.schema_probes import QUANTITIES, Probe, Reference
 from shared.statistics import statistic
 
 _WIDTH_IN, _HEIGHT_IN = 6.5, 3.6
@@ -41,7 +41,7 @@ def _draw_probe(path: Path, scene: Scene, probe: Probe, time: np.ndarray, values
     references = [r for r in scene.references if r.probe == probe.name]
     shown = [values, *(_within(reference_curve(r), time[-1])[1] for r in references if r.curve)]
     shown += [np.array([r.value]) for r in references if r.value and r.statistic in ("mean", "min", "max", "final")]
-    factor, unit = si_scale(max(map(largest_size, shown)), UNITS[probe.quantity])
+    factor, unit = si_scale(max(map(largest_size, shown)), QUANTITIES[probe.quantity].unit)
     second, time_unit = si_scale(float(time[-1]), "s")
     beside = len(references) + 1 > _LEGEND_ENTRIES
     figure = new_figure(_WIDTH_IN + (_LEGEND_IN if beside else 0.0), _HEIGHT_IN)

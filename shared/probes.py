@@ -15,46 +15,14 @@ from shared.contract import BadInput, ShearwaterError
 from shared.curves import read_curve
 from shared.lines import Lines
 from shared.schema import Scene
-from shared.schema_probes import Reference
+from shared.schema_probes import QUANTITIES, Reference
 from shared.statistics import Interval, finite, relative_error, statistic
 from shared.unwritable import cannot_write
-
-UNITS = {
-    "displacement-x": "m",
-    "displacement-y": "m",
-    "pressure": "Pa",
-    "velocity-x": "m/s",
-    "velocity-y": "m/s",
-    "elevation": "m",
-    "front-x": "m",
-    "level": "m",
-    "max-speed": "m/s",
-    "kinetic-energy": "J/m",
-    "total-energy": "J/m",
-    "strain-energy": "J/m",
-    "external-work": "J/m",
-    "dissipated": "J/m",
-    "momentum-x": "N s/m",
-    "momentum-y": "N s/m",
-    "angular-momentum": "N s",
-    "reaction-x": "N/m",
-    "reaction-y": "N/m",
-    "stress-xx": "Pa",
-    "stress-yy": "Pa",
-    "stress-xy": "Pa",
-    "von-mises": "Pa",
-    "spacing-max": "-",
-    "force-x": "N/m",
-    "force-y": "N/m",
-    "clipped-impulse": "N s/m",
-    "leaked": "particles",
-}
-"""Unit of each probe quantity, per metre of depth."""
 
 
 def probe_units(scene: Scene) -> dict[str, str]:
     """Unit of each probe of the scene, by name."""
-    return {probe.name: UNITS[probe.quantity] for probe in scene.probes}
+    return {probe.name: QUANTITIES[probe.quantity].unit for probe in scene.probes}
 
 
 class ProbeTable:

@@ -19,34 +19,10 @@ from shared.scene_geometry import GEOMETRY_CHECKS, has_shape
 from shared.scene_models import MODEL_CHECKS
 from shared.scene_water import WATER_CHECKS
 from shared.schema import Scene
-from shared.schema_probes import FORCES, SOLID_ONLY, STRESSES
+from shared.schema_probes import FORCES, QUANTITIES
 
 _ON_BODY = 1e-6  # distance over the body's size within which a point counts as on the body
-
-MATERIAL_POINT = ("displacement-x", "displacement-y", *STRESSES)
-
-AT_POINT_OF_FLUID = ("pressure", "velocity-x", "velocity-y", "elevation")
-OF_FLUID = (*AT_POINT_OF_FLUID, "front-x", "level", "total-energy", "clipped-impulse", "leaked", *FORCES)
-
-# What each quantity needs: the kinds of body it can be of, whether it must be given, whether a point is.
-_QUANTITIES = {
-    "displacement-x": (("solid",), True, True),
-    "displacement-y": (("solid",), True, True),
-    "pressure": ((), False, True),
-    "velocity-x": ((), False, True),
-    "velocity-y": ((), False, True),
-    "elevation": ((), False, True),
-    "front-x": (("fluid",), False, False),
-    "level": (("fluid",), False, False),
-    "max-speed": (("fluid", "solid"), True, False),
-    "kinetic-energy": (("fluid", "solid"), True, False),
-    "total-energy": (("fluid",), False, False),
-    **dict.fromkeys(SOLID_ONLY, (("solid",), True, False)),
-    **dict.fromkeys(STRESSES, (("solid",), True, True)),
-    **dict.fromkeys(FORCES, (("solid", "wall"), True, False)),
-    "clipped-impulse": ((), False, False),
-    "leaked": ((), False, False),
-}
+_MATERIAL = [name for name, what in QUANTITIES.items() if what.point and what.of == ("solid",)]
 
 
 def check_scene(scene: Scene, readable: bool = True) -> list[str]:
@@ -143,7 +119,7 @@ def _probes(scene: Scene) -> Iterator[str]:
         path, quantity = f"probes[{i}]", probe.quantity
         if quantity is None:
             continue
-        wanted, needs_body, needs_point = _QUANTITIES[quantity]
+        _, wanted, needs_body, needs_point = QUANTITIES[quantity]
         what = " or ".join(wanted) + (" body" if wanted[-1:] != ("wall",) else "")
         if needs_body and probe.body is None:
             yield f"{path}.body: missing; {quantity} is of a {what}"
@@ -163,13 +139,13 @@ def _probes(scene: Scene) -> Iterator[str]:
 
 
 def _probe_sides(scene: Scene, path: str, quantity: str) -> Iterator[str]:
-    if quantity in OF_FLUID and scene.fluid is None:
+    if scene.fluid is None and (quantity in FORCES or "solid" not in QUANTITIES[quantity].of):
         yield f'{path}.quantity = "{quantity}": the scene has no fluid'
 
 
 def _probe_point(scene: Scene, path: str, probe) -> Iterator[str]:
     """A material point lies in its body, faces included."""
-    if probe.quantity not in MATERIAL_POINT or probe.point is None or scene.solid is None:
+    if probe.quantity not in _MATERIAL or probe.point is None or scene.solid is None:
         return
     for body in scene.solid.bodies or []:
         if body.name == probe.body and has_shape(body):

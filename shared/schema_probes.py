@@ -2,49 +2,61 @@
 
 from __future__ import annotations
 
-from typing import Literal
+from typing import Literal, NamedTuple
 
 from pydantic import model_validator
 
 from shared.schema_base import Name, Pair, Positive, Table, key
 
-Quantity = Literal[
-    "displacement-x",
-    "displacement-y",
-    "pressure",
-    "velocity-x",
-    "velocity-y",
-    "elevation",
-    "front-x",
-    "level",
-    "max-speed",
-    "kinetic-energy",
-    "total-energy",
-    "clipped-impulse",
-    "strain-energy",
-    "external-work",
-    "dissipated",
-    "momentum-x",
-    "momentum-y",
-    "angular-momentum",
-    "reaction-x",
-    "reaction-y",
-    "stress-xx",
-    "stress-yy",
-    "stress-xy",
-    "von-mises",
-    "spacing-max",
-    "force-x",
-    "force-y",
-    "leaked",
-]
 
+class Observable(NamedTuple):
+    """What a quantity is: its `unit`, per metre of depth; the kinds of body that it can be `of`, and whether a `body`
+    must be named; whether it is at a `point`."""
+
+    unit: str
+    of: tuple[str, ...] = ()
+    body: bool = False
+    point: bool = False
+
+
+QUANTITIES = {
+    "displacement-x": Observable("m", ("solid",), body=True, point=True),
+    "displacement-y": Observable("m", ("solid",), body=True, point=True),
+    "pressure": Observable("Pa", point=True),
+    "velocity-x": Observable("m/s", point=True),
+    "velocity-y": Observable("m/s", point=True),
+    "elevation": Observable("m", point=True),
+    "front-x": Observable("m", ("fluid",)),
+    "level": Observable("m", ("fluid",)),
+    "max-speed": Observable("m/s", ("fluid", "solid"), body=True),
+    "kinetic-energy": Observable("J/m", ("fluid", "solid"), body=True),
+    "total-energy": Observable("J/m", ("fluid",)),
+    "clipped-impulse": Observable("N s/m"),
+    "strain-energy": Observable("J/m", ("solid",), body=True),
+    "external-work": Observable("J/m", ("solid",), body=True),
+    "dissipated": Observable("J/m", ("solid",), body=True),
+    "momentum-x": Observable("N s/m", ("solid",), body=True),
+    "momentum-y": Observable("N s/m", ("solid",), body=True),
+    "angular-momentum": Observable("N s", ("solid",), body=True),
+    "reaction-x": Observable("N/m", ("solid",), body=True),
+    "reaction-y": Observable("N/m", ("solid",), body=True),
+    "stress-xx": Observable("Pa", ("solid",), body=True, point=True),
+    "stress-yy": Observable("Pa", ("solid",), body=True, point=True),
+    "stress-xy": Observable("Pa", ("solid",), body=True, point=True),
+    "von-mises": Observable("Pa", ("solid",), body=True, point=True),
+    "spacing-max": Observable("-", ("solid",), body=True),
+    "force-x": Observable("N/m", ("solid", "wall"), body=True),
+    "force-y": Observable("N/m", ("solid", "wall"), body=True),
+    "leaked": Observable("particles"),
+}
+"""All that a probe can observe."""
+Quantity = Literal[tuple(QUANTITIES)]
 FORCES = ("force-x", "force-y")
 """Of a body of the solid, or a wall, that the fluid knows: what it does to it."""
 STRESSES = ("stress-xx", "stress-yy", "stress-xy", "von-mises")
 MOMENTA = ("momentum-x", "momentum-y", "angular-momentum")
 REACTIONS = ("reaction-x", "reaction-y")
-SOLID_ONLY = ("strain-energy", "external-work", "dissipated", *MOMENTA, *REACTIONS, "spacing-max", *STRESSES)
+SOLID_ONLY = tuple(name for name, what in QUANTITIES.items() if what.of == ("solid",))
 """Quantities of solid bodies alone, which not every model can express."""
 
 
