@@ -16,6 +16,8 @@ import numpy as np
 
 from shared.schema_geometry import Rotation, Shape
 
+SIDES = {"left": (0, -1.0), "right": (0, 1.0), "bottom": (1, -1.0), "top": (1, 1.0)}
+"""Faces of a bounding box in its own frame: axis of their outward normal, and its sense."""
 CIRCLE_EDGES = 256
 _PROBE = 1e-7  # offset from an edge, over the region's size, at which inside and outside are told apart
 _ON_LINE = 1e-9  # distance, over the region's size, below which a point lies on a line
@@ -42,12 +44,8 @@ def faces(shape: Shape) -> dict[str, np.ndarray]:
     lower, upper = own_box(shape)
     tolerance = _ON_LINE * np.max(upper - lower)
     named = {}
-    for name, axis, side in (
-        ("left", 0, lower),
-        ("right", 0, upper),
-        ("bottom", 1, lower),
-        ("top", 1, upper),
-    ):
+    for name, (axis, sense) in SIDES.items():
+        side = lower if sense < 0.0 else upper
         on_side = np.all(np.abs(segments[:, :, axis] - side[axis]) <= tolerance, axis=1)
         if on_side.any():
             named[name] = turn(segments[on_side], shape.rotate)

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator
 
 from shared.geometry import own_box
+from shared.regions import SIDES
 from shared.scene_geometry import across, has_shape
 from shared.schema import Scene
 from shared.schema_geometry import Shape
@@ -30,7 +31,7 @@ _EXPRESSED_BY_WATER = {"still": ("pressure", "level"), "column": ("pressure",)}
 
 _BY_FORCES = ("external-work", "dissipated", *REACTIONS)
 
-_AXIS = {"left": 0, "right": 0, "bottom": 1, "top": 1}
+_AXIS = {face: axis for face, (axis, _) in SIDES.items()}
 
 
 def slenderness(shape: Shape) -> tuple[float, int]:

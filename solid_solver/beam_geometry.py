@@ -9,6 +9,7 @@ import numpy as np
 
 from shared.contract import BadInput
 from shared.elasticity import plane_modulus
+from shared.regions import SIDES
 from shared.schema import Scene
 from shared.schema_geometry import Motion
 from shared.schema_solid import Load, Solid
@@ -18,9 +19,6 @@ from solid_solver.loads import Schedule, schedule
 
 SHEAR_FACTOR = 5.0 / 6.0
 """κs of a rectangle (Cowper 1966, ν = 0): with it the shear share of A and B agrees with the closed form."""
-
-_SIDES = {"left": (0, -1.0), "right": (0, 1.0), "bottom": (1, -1.0), "top": (1, 1.0)}
-"""Faces of a rectangle: axis of their outward normal, and its sense."""
 
 
 @dataclass(frozen=True)
@@ -67,7 +65,7 @@ def make_beam(scene: Scene, body: FilledBody) -> Beam:
     origin = body.position.mean(axis=0) - 0.5 * length * axes[0]
     free, motions = np.ones(count + 1, dtype=np.bool_), [None, None]
     for clamp in (c for c in solid.clamps if c.body == body.shape.name):
-        normal, sense = _SIDES[clamp.face]
+        normal, sense = SIDES[clamp.face]
         if normal != axis:
             raise BadInput(
                 f"Face '{clamp.face}' of body '{body.shape.name}' is a long one: model beam can be held at its ends "
@@ -116,7 +114,7 @@ def _one_load(beam: Beam, load: Load, density: float) -> tuple[np.ndarray, np.nd
     if load.acceleration is not None:
         return body_force(beam, np.array(load.acceleration), density)
     traction = beam.axes @ np.array(load.traction)
-    normal, sense = _SIDES[load.face]
+    normal, sense = SIDES[load.face]
     if abs(beam.axes[0] @ beam.body.axes[normal]) < 0.5:
         outward = sense * float(beam.axes[1] @ beam.body.axes[normal])
         return _spread(beam, traction * beam.h, 0.5 * beam.thickness * outward)

@@ -9,10 +9,8 @@ from scipy.optimize import brentq
 
 from shared.elasticity import bulk_modulus
 from shared.geometry import own_box
+from shared.regions import SIDES
 from shared.schema_solid import Solid, SolidBody
-
-_OUTWARD = {"left": (-1.0, 0.0), "right": (1.0, 0.0), "bottom": (0.0, -1.0), "top": (0.0, 1.0)}
-"""Outward normal of a rectangle's faces, before rotation."""
 
 
 def cantilever_root(mode: int) -> float:
@@ -47,10 +45,11 @@ def _mode(solid: Solid, body: SolidBody, points: np.ndarray) -> tuple[np.ndarray
     about = np.array(body.rotate.about) if body.rotate else np.zeros(2)
     turn = np.array([[math.cos(angle), math.sin(angle)], [-math.sin(angle), math.cos(angle)]])  # rows: body's axes
     own = about + (points - about) @ turn.T
-    outward = np.array(_OUTWARD[wanted.clamped])
-    axis = int(np.flatnonzero(outward)[0])
+    axis, sense = SIDES[wanted.clamped]
+    outward = np.zeros(2)
+    outward[axis] = sense
     length = float((upper - lower)[axis])
-    face = lower[axis] if outward[axis] < 0.0 else upper[axis]
+    face = lower[axis] if sense < 0.0 else upper[axis]
     shape, slope = cantilever_mode(wanted.mode, np.abs(own[:, axis] - face) / length)
     speed = wanted.tip_speed
     if speed is None:
