@@ -10,7 +10,7 @@ from shared.contract import BadInput, Kinematics
 from shared.kernels import kernel_named
 from shared.scene import load_scene
 from shared.statistics import statistic
-from tests.test_fluid_model import begun, fluid_rows, run, scene, tank
+from tests.fluid_models import begun, fluid_rows, run, scene, tank
 
 
 def history(model, time, rows, probe):

@@ -11,7 +11,7 @@ from fluid_solver.models import make_model
 from fluid_solver.motion import GhostMotion, WallMotion, structure_pose
 from fluid_solver.wall_forces import WallForces
 from shared.schema_geometry import Motion
-from tests.test_fluid_model import G, begun, fluid_rows, run, scene, tank
+from tests.fluid_models import G, begun, fluid_rows, run, scene, tank
 
 
 def test_ghost_pressure_is_exact_for_a_linear_field():

@@ -10,26 +10,7 @@ from fluid_solver.models import make_model
 from shared.contract import BadInput, Kinematics, SolverFailed
 from shared.schema import Scene
 from shared.schema_geometry import Domain
-
-G = 9.81
-
-
-def scene(bodies, walls=(), gravity=(0.0, -G), solid=None, probes=(), **fluid) -> Scene:
-    given = {"model": "wcsph", "dx": 0.01, "bodies": bodies} | fluid
-    table = {"schema": 1, "title": "test", "end_time": 1.0, "gravity": gravity, "fluid": given, "walls": list(walls)}
-    if solid is not None:
-        table["solid"] = solid
-    return Scene.model_validate(table | {"probes": list(probes)})
-
-
-def tank(width=0.2, height=0.2, fill=0.15, **fluid) -> Scene:
-    wall = {"name": "tank", "polyline": [(0.0, height), (0.0, 0.0), (width, 0.0), (width, height)]}
-    if fluid.get("viscosity"):
-        wall["slip"] = "no"
-    probes = [{"name": "bottom", "quantity": "pressure", "point": (width / 2, 0.0)}]
-    probes += [{"name": name, "quantity": name} for name in ("leaked", "kinetic-energy", "level")]
-    probes.append({"name": "weight", "quantity": "force-y", "body": "tank"})
-    return scene([{"name": "water", "rectangle": (0.0, 0.0, width, fill)}], [wall], probes=probes, **fluid)
+from tests.fluid_models import G, begun, dam, everything, fluid_rows, run, scene, tank
 
 
 def drop_on_plate(**fluid) -> Scene:
@@ -38,24 +19,6 @@ def drop_on_plate(**fluid) -> Scene:
     plate = {"name": "plate", "rectangle": (-0.05, -0.03, 0.15, 0.0)}
     solid = {"model": "total-lagrangian", "dx": 0.01, "density": 1000.0, "youngs_modulus": 1e6, "bodies": [plate]}
     return scene([body], gravity=(0.0, 0.0), solid=solid, sound_speed=15.0, **fluid)
-
-
-def begun(case: Scene, threads=1, coupled=False):
-    model = make_model(case, coupled, threads)
-    motion = Kinematics.at_rest(model.describe().position) if coupled else None
-    model.begin(motion)
-    return model
-
-
-def run(model, time, windows=4, start=0.0):
-    for k in range(windows):
-        t0, t1 = start + time * k / windows, start + time * (k + 1) / windows
-        model.advance(t0, t1, max(1, int(np.ceil((t1 - t0) / model.stable_step()))), None)
-        model.check()
-
-
-def fluid_rows(model, *rows):
-    return model.store.in_order_of_ids(list(rows), 0, model.fluid_count)
 
 
 # ---- conservation ---------------------------------------------------------------------------------------------
@@ -137,10 +100,6 @@ def test_still_water_stays_still(model_name):
 # ---- replay and threads -----------------------------------------------------------------------------------------
 
 
-def everything(model):
-    return {name: array.copy() for name, array in model.state().items()}
-
-
 @pytest.mark.parametrize("model_name", ["wcsph", "ctvf"])
 def test_restored_state_goes_on_to_the_same_bytes(model_name):
     model = begun(dam(model_name))
@@ -156,12 +115,6 @@ def test_restored_state_goes_on_to_the_same_bytes(model_name):
     other.restore(saved)
     run(other, 0.03, start=0.03)
     assert all(np.array_equal(first[name], everything(other)[name]) for name in first)
-
-
-def dam(model_name, dx=0.01) -> Scene:
-    wall = {"name": "tank", "polyline": [(0.0, 0.6), (0.0, 0.0), (0.5, 0.0), (0.5, 0.6)]}
-    water = [{"name": "water", "rectangle": (0.0, 0.0, 0.15, 0.3)}]
-    return scene(water, [wall], model=model_name, dx=dx)
 
 
 def test_one_and_two_threads_give_the_same_bytes():

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from fluid_solver.fields import FLUID, P, U, X
-from tests.test_fluid_model import begun, fluid_rows, scene
+from tests.fluid_models import begun, fluid_rows, scene
 
 LENGTH, C0, AMPLITUDE = 0.3, 10.0, 0.05
 

@@ -9,7 +9,7 @@ from fluid_solver.initial import fluid_particles, lay_ghosts, wetted_faces
 from fluid_solver.packing import CLEAR, slanted
 from shared.geometry import distance_to
 from shared.kernels import kernel_named
-from tests.test_fluid_model import begun, run, scene
+from tests.fluid_models import begun, run, scene
 
 DX = 0.025
 KERNEL = kernel_named("wendland-c2")

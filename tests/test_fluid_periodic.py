@@ -5,7 +5,7 @@ import pytest
 
 from fluid_solver.fields import AX, AY, FLUID, M, P, U, V, X, Y
 from shared.schema import Scene
-from tests.test_fluid_model import begun, everything, fluid_rows, run
+from tests.fluid_models import begun, everything, fluid_rows, run
 
 
 def box(periodic, walls=(), velocity=(0.0, 0.0), dx=0.02, size=1.0, **changes) -> Scene:

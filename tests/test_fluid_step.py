@@ -14,7 +14,7 @@ from shared.kernels import evaluate, kernel_named
 from shared.motion_table import largest_speed
 from shared.schema import Scene
 from shared.schema_geometry import Motion
-from tests.test_fluid_model import begun, dam, fluid_rows, run
+from tests.fluid_models import begun, dam, fluid_rows, run
 from tests.test_fluid_periodic import box
 
 

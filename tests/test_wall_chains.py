@@ -11,7 +11,7 @@ from shared.scene import load_scene
 from shared.scene_warnings import scene_warnings
 from shared.schema_fluid import Wall
 from shared.wall_chains import chains, segments_of
-from tests.test_fluid_model import scene
+from tests.fluid_models import scene
 
 DX, DEPTH = 0.04, 0.104
 TANK = [(0.0, 1.0), (0.0, 0.0), (2.0, 0.0), (2.0, 1.0)]

@@ -8,7 +8,7 @@ from shared.expected_speed import water_speed
 from shared.schema_fluid import Wall
 from shared.schema_geometry import Motion
 from shared.wall_speeds import lasting_faces, pushing_speed
-from tests.test_fluid_model import scene
+from tests.fluid_models import scene
 
 WATER = np.array([(0.0, 0.0), (0.2, 0.0), (0.2, 0.2), (0.0, 0.2)])
 LIFTED = {"times": [0.0, 0.05, 0.1], "translation": [(0.0, 0.0), (0.0, 0.15), (0.0, 0.5)]}
