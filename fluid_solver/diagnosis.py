@@ -9,6 +9,7 @@ from numba import prange
 
 from fluid_solver.cells import BLOCK
 from fluid_solver.fields import FLUID, PARKED, RHO, P, U, V, X, Y
+from fluid_solver.period import period_of
 from shared.contract import SolverFailed
 from shared.geometry import outline
 from shared.jit import njit, parallel_njit
@@ -22,6 +23,10 @@ FRACTION = 2e-3  # of the fluid that may be so: single particles are in splashes
 FEW = 3  # particles that may be so in any case
 _PLACES = 6  # decimals of a place [m] that is told
 HEADROOM = 3.0  # of the scene's height, above it, in the automatic domain: splashes fall back
+_DIVERGED = (
+    "the fluid diverged. Lower fluid.courant, raise fluid.alpha, or look for overlapping bodies or a wall that moves "
+    "too fast."
+)
 _NAMES = {X: "position", Y: "position", U: "velocity", V: "velocity", RHO: "density", P: "pressure"}
 
 
@@ -93,16 +98,15 @@ def _first_gone(store) -> np.ndarray:
 
 def check(store, c) -> None:
     """Raise SolverFailed, naming quantity, value and place, for a non-finite state or densities far off."""
+    if store.parked and (i := beyond_period(store)) >= 0:
+        raise SolverFailed(f"{_place(store, i)} has moved by more than a whole period at once: {_DIVERGED}")
     blocks = store.speeds[0, : (store.S.shape[1] + BLOCK - 1) // BLOCK]
     mark_suspicious(store.S, store.kind, store.count, c.rho0, LARGEST_COMPRESSION, blocks)
     if not blocks.any():
         return
     i, row = first_bad(store.S, store.kind, store.count)
     if i >= 0:
-        raise SolverFailed(
-            f"the {_NAMES[row]} of {_place(store, i)} is {store.S[row, i]:.4g}: the fluid diverged. "
-            f"Lower fluid.courant, raise fluid.alpha, or look for overlapping bodies or a wall that moves too fast."
-        )
+        raise SolverFailed(f"the {_NAMES[row]} of {_place(store, i)} is {store.S[row, i]:.4g}: {_DIVERGED}")
     found, i = far_off(store.S, store.kind, store.count, c.rho0, LARGEST_COMPRESSION)
     if found > max(FEW, FRACTION * store.count):
         speed = float(np.hypot(store.S[U, i], store.S[V, i]))
@@ -114,15 +118,24 @@ def check(store, c) -> None:
         )
 
 
+def beyond_period(store) -> int:
+    """Index of the first particle taken out that is beyond the period, where there is one; else −1."""
+    first, last = store.period.T[:, :, None]
+    beyond = (first < last) & ~((first <= store.S[[X, Y]]) & (store.S[[X, Y]] <= last))
+    found = np.flatnonzero(beyond.any(axis=0) & (store.kind == PARKED))
+    return int(found[0]) if found.size else -1
+
+
 def _place(store, i: int) -> str:
     return f"fluid particle {store.ids[i]} at ({store.S[X, i]:.4g}, {store.S[Y, i]:.4g}) m"
 
 
 def domain_of(scene: Scene) -> np.ndarray:
-    """x0, y0, x1, y1 [m]: as in `_bounds`; nothing leaves it in a periodic direction."""
+    """x0, y0, x1, y1 [m]: as in `_bounds`; in a periodic direction the period, where nothing is beyond it but what has
+    moved by more than a whole one at once."""
     lower, upper = _bounds(scene).reshape(2, 2)
-    periodic = np.array([scene.fluid.periodic.x is not None, scene.fluid.periodic.y is not None])
-    return np.concatenate([np.where(periodic, -np.inf, lower), np.where(periodic, np.inf, upper)])
+    first, last = period_of(scene).T
+    return np.concatenate([np.where(first < last, first, lower), np.where(first < last, last, upper)])
 
 
 def _bounds(scene: Scene) -> np.ndarray:

@@ -60,7 +60,7 @@ class Store:
         self._key, self._rank, self._order = (np.empty(n, dtype=np.int32) for _ in range(3))
         self._found, self._spans = np.empty((5, n // BLOCK + 1)), np.empty((n // BLOCK + 1, 2), dtype=np.int64)
         self._cells, self._places = np.zeros(2, dtype=np.int32), np.zeros(0, dtype=np.int32)
-        self._support, self._domain, self._period = support, domain, period
+        self._support, self._domain, self.period = support, domain, period
         self.work = np.zeros((WORK_ROWS, n))
         self.speeds = np.empty((2, n // BLOCK + 1))
         self.clipped = np.zeros(n // BLOCK + 1)
@@ -87,7 +87,7 @@ class Store:
 
         Where there is a period, fluid is not sorted to where it will be, so that it is left to the middle of the step.
         """
-        if not self._period.any() and self._outlived(dt, fluid, ghosts):
+        if not self.period.any() and self._outlived(dt, fluid, ghosts):
             self.sort(0.5 * dt, dt, fluid, _FASTER * ghosts, 0.5 * dt)
             self._laid_for = dt
 
@@ -113,12 +113,12 @@ class Store:
         from which it is half as far off at either end: fast drops make all cells wider, and what visits them slower.
         """
         S, kind, count = self.S, self.kind, self.count
-        wrap(S, count, self._period)
+        wrap(S, count, self.period)
         park_and_bound(S, kind, count, self._domain, self._found)
         found = self._found[:, : (count + BLOCK - 1) // BLOCK]
         self.parked += int(found[4].sum())
         x0, y0, x1, y1 = found[:4].min(axis=1) * (1.0, 1.0, -1.0, -1.0)
-        lead = 0.5 * (first + last) if not self._period.any() else 0.0  # else from one end of the period to the other
+        lead = 0.5 * (first + last) if not self.period.any() else 0.0  # else from one end of the period to the other
         off = max((last - lead) * fluid, last * ghosts)
         self._skin = max(_SKIN * self._support, 2.0 * (1.0 + _ALIKE) * off)
         margin = lead * fluid
@@ -149,9 +149,9 @@ class Store:
                 "all fluid has left the domain, and the scene has no walls: nothing is left to compute. "
                 "Shorten end_time, or make domain larger."
             )
-        length = self._period[:, 1] - self._period[:, 0]
+        length = self.period[:, 1] - self.period[:, 0]
         periodic = length > 0.0
-        box = np.where(periodic[:, None], self._period, box)
+        box = np.where(periodic[:, None], self.period, box)
         width = self._support + self._skin
         tiles = np.maximum(1.0, np.floor(length / width))
         parts = np.array([float(COLUMNS), 1.0])  # cells in a width

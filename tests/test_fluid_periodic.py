@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 from fluid_solver.fields import AX, AY, FLUID, M, P, U, V, X, Y
+from shared.contract import SolverFailed
 from shared.schema import Scene
 from tests.fluid_models import begun, everything, fluid_rows, run
 
@@ -116,3 +117,12 @@ def test_replay_and_threads_give_the_same_bytes():
     run(first, 0.05, 2)
     again = everything(first)
     assert all(np.array_equal(after[name], again[name]) for name in after)
+
+
+def test_what_moves_by_more_than_a_period_at_once_is_named():
+    """Such a particle was looked for in cells before the first, in memory of others."""
+    model = begun(box(BOTH, model="wcsph", dx=0.1))
+    model.store.S[U, 17] = 1e7
+    model.advance(0.0, 1e-3, 4, None)
+    with pytest.raises(SolverFailed, match="more than a whole period at once: the fluid diverged"):
+        model.check()
