@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import Any, TextIO
 
 from shared.checkpoint import Checkpoint, claim, way_on
-from shared.contract import ParticipantLost, ShearwaterError
+from shared.contract import BadInput, ParticipantLost, ShearwaterError
 from shared.probes import ProbeTable, probe_units
 from shared.progress import Progress
 from shared.results import environment, make_result, write_result
@@ -59,7 +59,10 @@ class Record:
         case_file = run_dir / "case.toml"
         if last is None:
             try:
-                case_file.write_text(dump_scene(scene), encoding="utf-8")
+                with case_file.open("x", encoding="utf-8") as file:
+                    file.write(dump_scene(scene))
+            except FileExistsError:
+                raise BadInput(f"Another run has just begun in {run_dir}: name another place with --out DIR.") from None
             except OSError as error:
                 raise cannot_write("The scene", case_file, error) from error
         self._text = case_file.read_text(encoding="utf-8")

@@ -21,6 +21,7 @@ from coupler.run import run_coupled
 from shared.commands import conclude
 from shared.contract import BadInput, ShearwaterError
 from shared.probes import ProbeTable, compare, probe_units, read_probes
+from shared.record import Record
 from shared.results import environment, make_result, new_run_directory, read_result, write_result
 from shared.scene import load_scene
 from shared.schema import Scene
@@ -73,13 +74,16 @@ def test_runs_are_numbered_and_never_overwritten(tmp_path, monkeypatch):
     named = tmp_path / "a" / "b"
     assert new_run_directory(named, "udl_beam") == named
     assert new_run_directory(named, "udl_beam") == named  # empty: fine
-    (named / "result.json").write_text("{}")
+    record = Record(named, scene(), "beam", {}, True)
+    with pytest.raises(BadInput, match="Another run has just begun in"):  # both found it empty
+        Record(named, scene(), "beam", {}, True)
+    record.claim.close()
     with pytest.raises(BadInput, match="not empty"):
         new_run_directory(named, "udl_beam")
     with pytest.raises(BadInput, match="cannot be made"):
-        new_run_directory(named / "result.json" / "deeper", "udl_beam")
+        new_run_directory(named / "case.toml" / "deeper", "udl_beam")
     with pytest.raises(BadInput, match="cannot be made"):
-        new_run_directory(named / "result.json", "udl_beam")
+        new_run_directory(named / "case.toml", "udl_beam")
 
 
 # ---- statistics -------------------------------------------------------------------------------------------------
