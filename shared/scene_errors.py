@@ -1,5 +1,5 @@
-"""From a faulty scene to sentences: one line per mistake, with path, offending value, allowed range and a way
-out.
+"""From a faulty scene (or another file of such tables) to sentences: one line per mistake, with path, offending value,
+allowed range and a way out.
 
 A scene that breaks the vocabulary is also read leniently, so that the checks between its tables can report in
 the same go.
@@ -28,24 +28,24 @@ def validate(data: dict[str, Any]) -> tuple[Scene, list[str]]:
     reading.
     """
     try:
-        return _strict(Scene, data), []
+        return strict(Scene, data), []
     except ValidationError as error:
-        return lenient(Scene, data), explain(error.errors(), data)
+        return lenient(Scene, data), explain(error.errors(), data, Scene)
 
 
-def explain(errors: Iterable[dict[str, Any]], data: dict[str, Any]) -> list[str]:
-    """pydantic's `errors` about `data` in this project's words, each path once.
+def explain(errors: Iterable[dict[str, Any]], data: dict[str, Any], root: type[Table]) -> list[str]:
+    """pydantic's `errors` about `data`, a file whose table is `root`, in this project's words, each path once.
 
     A key that is missing because it is misspelt is one mistake, not two.
     """
-    errors = [error for error in errors if not _other_member(error, data)]
-    misspelt = {_meant(error) for error in errors if error["type"] == "extra_forbidden"}
+    errors = [error for error in errors if not _other_member(error, data, root)]
+    misspelt = {_meant(error, root) for error in errors if error["type"] == "extra_forbidden"}
     messages: dict[str, str] = {}
     for error in errors:
         if error["type"] != "missing" or error["loc"] not in misspelt:
-            path, message = _explain_one(error, data)
+            path, message = _explain_one(error, data, root)
             messages.setdefault(path, message)
-    return [f"{path}{message}" for path, message in messages.items()]
+    return [f"{path}{message}".removeprefix(": ") for path, message in messages.items()]
 
 
 def lenient(table: type[Table], data: Any) -> Table:
@@ -54,7 +54,7 @@ def lenient(table: type[Table], data: Any) -> Table:
     A shape that is wrong in any way has none of its kinds; the checks pass over it.
     """
     try:
-        return _strict(table, data)
+        return strict(table, data)
     except ValidationError as error:
         wrong = {mistake["loc"][0] for mistake in error.errors() if mistake["loc"]}
     values = {}
@@ -88,7 +88,7 @@ def show(value: Any) -> str:
     return text if len(text) <= _LONGEST_VALUE else text[: _LONGEST_VALUE - 1] + "…"
 
 
-def _strict(table: type[Table], data: Any) -> Any:
+def strict(table: type[Table], data: Any) -> Any:
     """Validation without guesses: no text for numbers, no numbers for booleans (but whole numbers are
     numbers).
     """
@@ -103,21 +103,21 @@ def _value_or(default: Any, field: Any, raw: Any) -> Any:
         return default
 
 
-def _other_member(error: dict[str, Any], data: dict[str, Any]) -> bool:
+def _other_member(error: dict[str, Any], data: dict[str, Any], root: type[Table]) -> bool:
     """Whether a table was given and pydantic also tells why it is not the word that could stand there instead."""
-    parts, _, field = _locate(error["loc"])
+    parts, _, field = _locate(error["loc"], root)
     table_allowed = field is not None and table_in(field.annotation) is not None
     return error["type"] == "literal_error" and table_allowed and isinstance(_look_up(data, parts), dict)
 
 
-def _meant(error: dict[str, Any]) -> tuple[str | int, ...]:
+def _meant(error: dict[str, Any], root: type[Table]) -> tuple[str | int, ...]:
     """Location of the key that an unknown one was probably meant to be."""
-    parts, table, _ = _locate(error["loc"])
+    parts, table, _ = _locate(error["loc"], root)
     return (*error["loc"][:-1], closest(str(parts[-1]), keys_of(table)) or "")
 
 
-def _explain_one(error: dict[str, Any], data: Any) -> tuple[str, str]:
-    parts, table, field = _locate(error["loc"])
+def _explain_one(error: dict[str, Any], data: Any, root: type[Table]) -> tuple[str, str]:
+    parts, table, field = _locate(error["loc"], root)
     path = show_path(parts)
     kind = error["type"]
     if kind == "extra_forbidden":
@@ -143,14 +143,14 @@ def _with_unit(field: Any) -> str:
     return article + allowed(field) + (f" [{unit}]" if unit not in ("", "-") else "")
 
 
-def _locate(loc: Sequence[str | int]) -> tuple[list[str | int], type[Table], Any]:
+def _locate(loc: Sequence[str | int], root: type[Table]) -> tuple[list[str | int], type[Table], Any]:
     """Path in the file, table and field (None: the table itself) of pydantic's location.
 
     Parts that are not in the file, like the name of a union's member, and places within a plain value are
     left off.
     """
     parts: list[str | int] = []
-    table: type[Table] = Scene
+    table = root
     field = None
     for depth, part in enumerate(loc):
         if isinstance(part, int):

@@ -62,14 +62,18 @@ def written(tmp_path):
     [
         (CRITERION, CRITERION.replace("0.5", "0.0"), "criterion: limit = 0: must be above 0 for the measure rise"),
         (CRITERION, 'criterion = { measure = "iterations" }', "must be above 1 for the measure iterations"),
-        ("limit = 0.5", 'limit = 0.5, statistic = "meen"', "criterion.statistic = \"meen\": Input should be 'mean'"),
+        ("limit = 0.5", 'limit = 0.5, statistic = "meen"', "did you mean 'mean'?"),
         (
             CRITERION,
             'criterion = { measure = "deviation", probe = "kinetic_energy", value = 0.0, limit = 0.1 }',
             "value = 0: nothing is a relative deviation from zero",
         ),
         ("[0.5, 1.0]", "[0.5, 0.5]", "range = [0.5, 0.5]: both ends are the same"),
-        ("[1.3]", "[-1.3]", "x.values[0] = -1.3: Input should be greater than 0"),
+        ("[1.3]", "[-1.3]", "x.values = [-1.3]: must be a list of number > 0, at least 1"),
+        ("[1.3]", '"1.3"', 'x.values = "1.3": must be a list of number > 0, at least 1'),
+        (CRITERION, "criterion = 3", "criterion = 3: must be { measure, limit, probe, statistic, value, reference }"),
+        ("tolerance = 0.5", "tolerence = 0.5", "y.tolerence: unknown key; did you mean 'tolerance'?"),
+        ("title =", "titel =", "titel: unknown key; did you mean 'title'?"),
         ("schema = 1", "schema = ", "not TOML"),
     ],
 )

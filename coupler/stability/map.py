@@ -10,14 +10,14 @@ from __future__ import annotations
 import math
 from importlib.resources import files
 from pathlib import Path
-from typing import Any, Literal
+from typing import Literal
 
 from pydantic import Field, ValidationError, model_validator
 
 from coupler.stability.theory import THEORIES
 from shared.contract import BadInput
 from shared.scene import read_toml, shipped_cases
-from shared.scene_errors import show, show_path
+from shared.scene_errors import explain, strict
 from shared.scene_fields import suggest
 from shared.schema_base import Name, Positive, Table, key
 from shared.schema_probes import Statistic
@@ -151,20 +151,13 @@ def load_map(name: str) -> StabilityMap:
     path = Path(name) if Path(name).is_file() else shipped_maps().get(name)
     if path is None:
         raise BadInput(f"{name}: no such file or shipped map{suggest(name, shipped_maps())}")
+    data = read_toml(path)
     try:
-        given = StabilityMap.model_validate(read_toml(path))
+        given = strict(StabilityMap, data)
     except ValidationError as error:
-        lines = [f"  {_sentence(one)}" for one in error.errors()]
+        lines = explain(error.errors(), data, StabilityMap)
         count = "1 mistake" if len(lines) == 1 else f"{len(lines)} mistakes"
-        raise BadInput(f"{path}: {count}\n" + "\n".join(lines) + f"\n{VOCABULARY} documents every key") from None
+        raise BadInput("\n  ".join([f"{path}: {count}", *lines]) + f"\n{VOCABULARY} documents every key") from None
     beside = path.resolve().parent / given.case
     named = given.case in shipped_cases() and not beside.is_file()
     return given if named else given.model_copy(update={"case": str(beside)})
-
-
-def _sentence(mistake: dict[str, Any]) -> str:
-    """One of pydantic's mistakes: place, value, and what is wrong."""
-    place, text = show_path(mistake["loc"]), mistake["msg"].removeprefix("Value error, ")
-    if mistake["type"] in ("value_error", "missing", "extra_forbidden"):
-        return f"{place}: {text}" if place else text
-    return f"{place} = {show(mistake['input'])}: {text}"
