@@ -140,6 +140,8 @@ class ZenohLink:
         self._alive = alive
         self._stall_after = stall_after
         self._connected = threading.Event()
+        self._token = _key(run, name, "alive")
+        self._heard: float | None = None  # when the first heartbeat came
         self._broken: float | None = None  # when its connection ended
         self._beat = (awake(), b"")  # arrival of the last heartbeat, and what it said
         self._progress = awake()  # when that last changed
@@ -149,7 +151,7 @@ class ZenohLink:
         self._replies, self._wake = _channel(session, _key(run, name, "reply"))
         self._entities = [
             session.declare_subscriber(_key(run, name, "heartbeat"), self._on_heartbeat),
-            session.liveliness().declare_subscriber(_key(run, name, "alive"), self._on_liveliness, history=True),
+            session.liveliness().declare_subscriber(self._token, self._on_liveliness, history=True),
         ]
         self._publisher = session.declare_publisher(
             _key(run, name, "request"), congestion_control=zenoh.CongestionControl.BLOCK, express=True
@@ -158,6 +160,7 @@ class ZenohLink:
 
     def _on_heartbeat(self, sample: zenoh.Sample) -> None:
         now, said = awake(), sample.payload.to_bytes()
+        self._heard = now if self._heard is None else self._heard
         if said != self._beat[1]:
             self._progress = now
         self._beat = (now, said)
@@ -173,6 +176,10 @@ class ZenohLink:
         deadline = awake() + timeout
         while not self._connected.wait(_POLL_S):
             self._alive()
+            if self._heard is not None and awake() - self._heard > _SILENT_AFTER_S:
+                raise ParticipantLost(
+                    f"the {self.name} participant sends heartbeats, and has declared no liveliness token {self._token}"
+                )
             if awake() > deadline:
                 raise ParticipantLost(f"the {self.name} participant did not connect within {timeout:g} s")
 

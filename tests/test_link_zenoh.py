@@ -80,6 +80,17 @@ def test_a_coupler_that_pauses_before_it_is_reached_is_waited_for(toy_spring, mo
 
 
 @pytest.mark.timeout(60)
+def test_a_participant_without_its_token_is_not_waited_for(monkeypatch):
+    """It was for a quarter of an hour, as if it compiled."""
+    monkeypatch.setattr(link_zenoh, "_SILENT_AFTER_S", 0.1)
+    with listening("run") as (session, _):
+        link = ZenohLink(session, "run", "solid", alive, stall_after=20.0)
+        session.put("shearwater/run/solid/heartbeat", "0")
+        with pytest.raises(ParticipantLost, match="no liveliness token shearwater/run/solid/alive"):
+            link.wait_connected(10.0)
+
+
+@pytest.mark.timeout(60)
 def test_missing_participant_is_named():
     with listening("run") as (session, _):
         link = ZenohLink(session, "run", "solid", alive, stall_after=20.0)
