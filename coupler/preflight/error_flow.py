@@ -14,7 +14,8 @@ waves' heights     as flow that is held, and with less than 40 neighbours 20 % m
 viscous stresses   3.6 (h/λ)², λ the shear wave's length, twice a channel's width; 0.12 (1.3 dx/h)^5 for few
                    neighbours in disorder, at any dx; artificial over own viscosity           taylor_green, Poiseuille
                    alone where its weight, or walls that slide, drive the water along a period, beside the flow's where
-                   it is held
+                   it is held; 0.3 (h/dx − 2)² dx/width more where its weight does, for the mean of many neighbours is
+                   not the flow at a wall
 decay of vortices  the same; 50 % more where nothing shifts the particles (wcsph). What is left at the end errs by
                    e^(N times that) − 1 when it has fallen by e^−N                            taylor_green
 water let go       of its speed 0.6 g H/c0 (wcsph), 0.08 g H/c0 (ctvf) over the speed at the end: what its pressure
@@ -45,6 +46,10 @@ GAUGE = 0.2  # of dx: what particles that come and go put on a surface that move
 LATTICE, WAVES = 0.08, 0.2  # of a period and of a height, where a lattice bears waves
 FLOW, FRONT = 5.0, 1.4
 VISCOUS = 3.6  # of (h/wavelength)²: the kernel smooths the stresses of a shear wave
+ENOUGH, BLURRED = (
+    2.0,
+    0.3,
+)  # h/dx from which walls hold a bent profile too softly; of (h/dx − 2)² dx/width
 FEW, FEW_POWER = 0.12, 5.0  # with h = 1.3 dx: stresses of a neighbourhood in disorder, whatever dx is
 CLUSTERED = 0.5  # of a decay, where vortices stretch particles that nothing shifts
 FALL = {"ctvf": 0.08, "wcsph": 0.6}  # of the speed that the pressure of water at rest gives it as it is let go
@@ -66,7 +71,8 @@ def flow_error(scene: Scene, n: Numbers) -> float:
     if _vortices(scene) and scene.fluid.viscosity > 0.0 and (quantity in MOTIONS or goal.statistic == "decay"):
         return _decay(scene, n, quantity)
     if (water.pulled or _slid(scene)) and scene.fluid.viscosity > 0.0:  # a channel's profile is half a wave
-        return _viscous(scene, n, 2.0 * water.width)
+        wide = max(0.0, scene.fluid.h_over_dx - ENOUGH) if water.pulled else 0.0
+        return _viscous(scene, n, 2.0 * water.width) + BLURRED * wide**2 * water.dx / water.width
     least = min(water.width, _wavelength(scene, n))
     if n.plate is not None and n.plate.model == "spring":
         least = min(least, n.plate.thickness)
