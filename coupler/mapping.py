@@ -11,26 +11,26 @@ of either side load the points below that side, and their difference bends it; b
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import numpy as np
 from scipy.sparse import csr_matrix, identity
 from scipy.spatial import cKDTree
 
 from shared.contract import BadInput, Description, Kinematics, Loads, exchange_fields
 from shared.jit import njit
+from shared.linear_fit import linear_row
 
 _COINCIDENT = 1e-9  # of the structure's spacing
-_SUPPORT = 2.1  # of the structure's spacing: radius of the fit round a ghost, a ring of two neighbours on a lattice
-_LEAST_SPREAD = 1e-6  # smallest eigenvalue over largest of the moment matrix: below it the points lie on a line
 
 
 class Mapping:
-    """H (ghosts × selected points), and `selection`: the structure's points that it touches."""
+    """H (ghosts × selected points), and `selection`: the structure's points that it touches; `weight` (2,) [Pa/m]: how
+    pressure changes with place in the fluid at rest, ρ g."""
 
-    def __init__(self, matrix: csr_matrix, selection: np.ndarray):
-        self.matrix, self.selection = matrix, selection
-        columns = matrix.T.tocsr()
-        share = np.asarray(np.abs(columns).sum(axis=1)).ravel()
-        self._rows, self._columns = _compressed(matrix), (*_compressed(columns), share)
+    def __init__(self, matrix: csr_matrix, selection: np.ndarray, weight: np.ndarray):
+        self.matrix, self.selection, self._weight = matrix, selection, weight
+        self._rows, self._columns = _compressed(matrix), _compressed(matrix.T.tocsr())
         self._identity = matrix.shape[0] == matrix.shape[1] and (matrix != identity(matrix.shape[0])).nnz == 0
 
     def motion(self, motion: Kinematics) -> Kinematics:
@@ -39,11 +39,13 @@ class Mapping:
             return motion
         return Kinematics(*_moved(*self._rows, *exchange_fields(motion).values()))
 
-    def loads(self, loads: Loads) -> Loads:
-        """Fluid → structure: forces by the transpose; pressures as the mean over the ghosts that a point serves."""
+    def loads(self, loads: Loads, points: Kinematics, ghosts: Kinematics) -> Loads:
+        """Fluid → structure: forces by the transpose; pressures as the mean over the ghosts that a point serves and
+        that feel any, each as it would be at the point in fluid at rest. `points`, `ghosts`: where they are."""
         if self._identity:
             return loads
-        return Loads(*_loaded(*self._columns, loads.pressure, loads.force))
+        places = points.position, ghosts.position
+        return Loads(*_loaded(*self._columns, self._weight, *places, loads.pressure, loads.force))
 
 
 def _compressed(matrix: csr_matrix) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
@@ -69,22 +71,28 @@ def _moved(start, column, weight, position, velocity, acceleration, velocity_mea
 
 
 @njit
-def _loaded(start, ghost, weight, share, pressure, force):
-    """Hᵀ times forces (k, 2), and means of pressures (k,) by the sizes of the weights, which sum up to `share`."""
-    mean, total = np.empty(len(share)), np.empty((len(share), 2))
-    for point in range(len(share)):
-        p = x = y = 0.0
+def _loaded(start, ghost, share, weight, points, ghosts, pressure, force):
+    """Hᵀ times forces (k, 2), and means of pressures (k,) other than 0 by the sizes of the entries of Hᵀ."""
+    mean, total = np.zeros(len(points)), np.zeros((len(points), 2))
+    for point in range(len(points)):
+        felt = p = moved = x = y = 0.0
         for k in range(start[point], start[point + 1]):
-            w, g = weight[k], ghost[k]
-            p += abs(w) * pressure[g]
+            w, g = share[k], ghost[k]
+            if pressure[g] != 0.0:
+                felt += abs(w)
+                p += abs(w) * pressure[g]
+                arm = points[point] - ghosts[g]
+                moved += abs(w) * (arm[0] * weight[0] + arm[1] * weight[1])
             x += w * force[g, 0]
             y += w * force[g, 1]
-        mean[point], total[point, 0], total[point, 1] = p / share[point], x, y
+        if felt > 0.0:
+            mean[point] = max(p + moved, min(p, 0.0)) / felt
+        total[point, 0], total[point, 1] = x, y
     return mean, total
 
 
-def build_mapping(structure: Description, fluid: Description) -> Mapping:
-    """The map between `structure`'s points and `fluid`'s ghosts, body by body.
+def build_mapping(structure: Description, fluid: Description, gravity: Sequence[float] = (0.0, 0.0)) -> Mapping:
+    """The map between `structure`'s points and `fluid`'s ghosts, body by body, under `gravity` [m/s²].
 
     Raises BadInput where a ghost has too few points round it, or points on one line only, to follow a rotation.
     """
@@ -105,7 +113,8 @@ def build_mapping(structure: Description, fluid: Description) -> Mapping:
             weights += list(row)
     selection, local = np.unique(np.array(columns, dtype=np.int64), return_inverse=True)
     shape = (len(fluid.position), len(selection))
-    return Mapping(csr_matrix((weights, (rows, local)), shape=shape), selection)
+    weight = fluid.numbers.get("density", 0.0) * np.asarray(gravity, dtype=float)
+    return Mapping(csr_matrix((weights, (rows, local)), shape=shape), selection, weight)
 
 
 def _row(place: np.ndarray, structure: Description, points: np.ndarray, tree: cKDTree):
@@ -113,19 +122,10 @@ def _row(place: np.ndarray, structure: Description, points: np.ndarray, tree: cK
     distance, nearest = tree.query(place)
     if distance <= _COINCIDENT * structure.spacing:
         return points[[nearest]], np.ones(1)
-    for radius in (_SUPPORT, 2.0 * _SUPPORT):
-        reach = max(radius * structure.spacing, 1.5 * distance)
-        near = points[sorted(tree.query_ball_point(place, reach))]
-        offset = (structure.position[near] - place) / reach
-        kernel = (1.0 - (offset**2).sum(axis=1)).clip(1e-12) ** 2
-        basis = np.column_stack([np.ones(len(near)), offset])
-        moment = basis.T @ (kernel[:, None] * basis)
-        values = np.linalg.eigvalsh(moment)
-        if values[0] > _LEAST_SPREAD * values[-1]:
-            row = kernel * (basis @ np.linalg.solve(moment, np.array([1.0, 0.0, 0.0])))
-            row[np.argmax(row)] += 1.0 - row.sum()
-            return near, row
-    raise BadInput(
-        f"the ghost at ({place[0]:.6g}, {place[1]:.6g}) m has only structure points on one line round it, which cannot "
-        "tell its rotation; refine solid.dx so that at least two particles lie across every body"
-    )
+    fit = linear_row(place, structure.position[points], tree, structure.spacing)
+    if fit is None:
+        raise BadInput(
+            f"the ghost at ({place[0]:.6g}, {place[1]:.6g}) m has only structure points on one line round it, which "
+            "cannot tell its rotation; refine solid.dx so that at least two particles lie across every body"
+        )
+    return points[fit[0]], fit[1]

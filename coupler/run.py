@@ -117,7 +117,7 @@ def _sides(scene: Scene, threads: dict[str, int], link: str, run: str, record: R
 def couple(scene: Scene, fluid: Remote, structure: Remote, record: Record, last: Checkpoint | None = None) -> None:
     """Describe, map, plan, start, march, finish."""
     described_fluid, described_structure = fluid.describe(), structure.describe()
-    mapping = build_mapping(described_structure, described_fluid)
+    mapping = build_mapping(described_structure, described_fluid, scene.gravity)
     check_pressures(scene, described_structure, described_fluid)
     r = mass_ratio(scene, described_structure)
     longest = longest_window(scene, scene_numbers(scene))
@@ -185,7 +185,7 @@ def start(
     ghosts = mapping.motion(points)
     loads, more = fluid.start(clock, range(mapping.matrix.shape[0]), ghosts, **options)
     order = scene.coupling.predictor
-    predictors = Predictor(order, mapping.loads(loads)), Predictor(order, points)
+    predictors = Predictor(order, mapping.loads(loads, points, ghosts)), Predictor(order, points)
     if last is None:
         record.at(0.0, first | more)
     else:

@@ -141,7 +141,7 @@ def parallel_explicit(c: Coupled, window: Window, measure: Measure) -> Outcome:
 
 def once(c: Coupled, measure: Measure, used: Loads, found: Loads, points: Kinematics, ghosts: Kinematics) -> Outcome:
     """Accept a window that was taken once."""
-    mapped = c.mapping.loads(found)
+    mapped = c.mapping.loads(found, points, ghosts)
     return c.accept(used, found, mapped, points, ghosts, [measure.change(used, mapped)])
 
 
@@ -158,7 +158,7 @@ def serial_implicit(c: Coupled, window: Window, how: Iteration) -> Outcome:
         ghosts = c.mapping.motion(points)
         found = c.fluid.advance(window.again(len(changes)), ghosts)
         # 4. compare the load used with the load found
-        mapped = c.mapping.loads(found)
+        mapped = c.mapping.loads(found, points, ghosts)
         changes.append(how.measure.change(used, mapped))
         converged = how.measure.agrees((used,), (mapped,))
         if converged or len(changes) == how.most:
@@ -186,7 +186,7 @@ def parallel_implicit(c: Coupled, window: Window, how: Iteration) -> Outcome:
         c.fluid.begin_advance(window.again(len(changes)), ghosts)
         points, found = c.structure.end_advance(), c.fluid.end_advance()
         # 3. compare loads and motions used with those found
-        mapped = c.mapping.loads(found)
+        mapped = c.mapping.loads(found, points, ghosts)
         changes.append(how.measure.change(used, mapped))
         before, after = (used, followed), (mapped, points)
         converged = how.measure.agrees(before, after)

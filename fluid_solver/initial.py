@@ -1,13 +1,8 @@
-"""The initial state: sound speed, fluid bodies as settled columns, ghosts of walls and structures.
-
-Settled column: under gravity a compressible column of nominal depth D carries p = ρ0 g D exactly, at ρ = ρ0 + p/c²,
-and stands lower, at depth d = (c²/g) ln(1 + g D/c²) below its own settled top; mass and bottom stay.
-"""
+"""The initial state: sound speed, fluid bodies as settled columns, ghosts of walls and structures."""
 
 from __future__ import annotations
 
 import itertools
-import math
 from collections.abc import Iterator
 from dataclasses import dataclass
 
@@ -17,6 +12,7 @@ from fluid_solver.fields import FREE_SLIP, NO_SLIP, STRUCTURE
 from fluid_solver.flows import initial_flow
 from fluid_solver.packing import off_faces, pack
 from fluid_solver.period import period_of, within_period
+from fluid_solver.settled import settle
 from shared.contract import BadInput
 from shared.expected_speed import NO_SPEED
 from shared.expected_speed import sound_speed as scenes_sound_speed
@@ -24,7 +20,6 @@ from shared.geometry import contains, distance_to, fill, outline, wall_particles
 from shared.geometry import ghosts as body_ghosts
 from shared.kernels import Kernel
 from shared.schema import Scene
-from shared.schema_geometry import Body
 from shared.wall_chains import Chain, Ground, chains, segments_of
 
 CLEAR = 0.25  # of dx: fluid laid nearer to a face is moved off it; on the face it would start at the wrong pressure
@@ -90,14 +85,17 @@ def fluid_particles(scene: Scene, c0: float, ghosts: Ghosts, kernel: Kernel, h: 
     gravity = np.where(np.diff(period_of(scene))[:, 0] > 0.0, 0.0, scene.gravity)
     parts, ends = [], np.cumsum([len(lattice.position) for lattice in lattices])
     for index, (body, here) in enumerate(zip(fluid.bodies, np.split(position, ends[:-1]), strict=True)):
-        pressure = np.zeros(len(here))
+        pressure, share = np.zeros(len(here)), np.ones(len(here))
         if fluid.initial_pressure == "hydrostatic":
-            here, pressure = settle(body, here, gravity, c0, fluid.density)
+            here, pressure, share = settle(body, here, gravity, c0, fluid.density)
         velocity, dynamic = initial_flow(body, here, fluid.density)
         pressure = pressure + dynamic
-        parts.append((here, velocity, pressure, fluid.density + pressure / c0**2, np.full(len(here), index)))
-    position, velocity, pressure, density, owner = (np.concatenate(column) for column in zip(*parts, strict=True))
-    return FluidParticles(position, velocity, pressure, density, fluid.density * volume, owner)
+        density = fluid.density + pressure / c0**2
+        parts.append((here, velocity, pressure, density, share, np.full(len(here), index)))
+    position, velocity, pressure, density, share, owner = (
+        np.concatenate(column) for column in zip(*parts, strict=True)
+    )
+    return FluidParticles(position, velocity, pressure, density, fluid.density * volume * share, owner)
 
 
 def shaken(position: np.ndarray, size: float) -> np.ndarray:
@@ -110,23 +108,6 @@ def wetted_faces(scene: Scene) -> np.ndarray:
     walls = [segments_of(wall) for wall in scene.walls]
     bodies = [outline(body)[:, ::-1] for body in (scene.solid.bodies if scene.solid else [])]
     return np.concatenate([*walls, *bodies, np.empty((0, 2, 2))])
-
-
-def settle(body: Body, position: np.ndarray, gravity: np.ndarray, c0: float, rho0: float):
-    """Positions (n, 2) and pressures (n,) of the body's particles as a column settled under `gravity`."""
-    g = math.hypot(*gravity)
-    if g == 0.0:
-        return position, np.zeros(len(position))
-    up = -gravity / g
-    heights = outline(body).reshape(-1, 2) @ up
-    depth = heights.max() - position @ up
-
-    def settled(D):
-        return c0**2 / g * np.log1p(g * D / c0**2)
-
-    lowest = np.ptp(heights)
-    lift = (settled(lowest) - settled(depth)) - (lowest - depth)
-    return position + lift[:, None] * up, rho0 * g * depth
 
 
 def lay_ghosts(scene: Scene, support: float) -> Ghosts:

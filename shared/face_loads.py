@@ -1,64 +1,80 @@
 """A structure's own integration of pressures over its faces: F = −∫ p n ds on the deformed outline.
 
-Each face of a body that is not clamped is cut into pieces, one for every interface point next to it. A piece carries
-the pressure of its point and follows the body: its normal and length are those of the line between the points next to
-it along the face. A plate must be thicker than the fluid's kernel reaches, or its dry side feels the wet one's water.
+The outline, but for its clamped faces, is cut into pieces about as long as the spacing. Their ends follow the points
+round them, by moving least squares; each carries the pressure of the point next to it, to which its force goes. The
+pressure of a point is that of water which reached so far; from there to the piece it changes as water's at rest does,
+by ρ g, so that the net of resting water is its weight: taken as it is, half a spacing behind every face, the buoyancy
+of a block ten spacings high was a tenth too small. A plate must be thicker than the fluid's kernel reaches, or its dry
+side feels the wet one's water.
 """
 
 from __future__ import annotations
 
-import math
-
 import numpy as np
+from scipy.sparse import csr_matrix, vstack
+from scipy.spatial import cKDTree
 
-from shared.contract import Description
-from shared.geometry import faces, fill
+from shared.contract import BadInput, Description
+from shared.geometry import fill, outline_less
+from shared.linear_fit import linear_row
 from shared.schema import Scene
-
-_NEXT_TO = 0.75  # of the spacing across the face: points nearer than this to a face stand next to it
 
 
 class FaceLoads:
-    """The pieces of all faces: points (k,), pairs of neighbours (k, 2), and length over distance of the neighbours."""
+    """The pieces of all faces: starts and ends of theirs as means of the points, and the points next to them."""
 
     def __init__(self, scene: Scene, structure: Description):
         pieces = [_of_body(scene, structure, k) for k in range(len(scene.solid.bodies))]
-        points, before, after, ratio = (np.concatenate(column) for column in zip(*pieces, strict=True))
-        self._points = points.astype(np.int64)
-        self._before, self._after = before.astype(np.int64), after.astype(np.int64)
-        self._ratio = ratio
+        starts, ends, points = zip(*pieces, strict=True)
+        self._starts, self._ends, self._points = vstack(starts), vstack(ends), np.concatenate(points)
+        self._weight = scene.fluid.density * np.asarray(scene.gravity)  # Pa/m
 
     def force(self, pressure: np.ndarray, position: np.ndarray) -> np.ndarray:
         """Force (n, 2) [N/m] on the points at `position` (n, 2) [m] under `pressure` (n,) [Pa] on them."""
-        along = (position[self._after] - position[self._before]) * self._ratio[:, None]
+        start, end, p = self._starts @ position, self._ends @ position, pressure[self._points]
+        along = end - start
         outward = np.stack([along[:, 1], -along[:, 0]], axis=1)  # the body is on the left
+        p = carried(p, (0.5 * (start + end) - position[self._points]) @ self._weight)
         force = np.zeros_like(position)
-        np.add.at(force, self._points, -pressure[self._points, None] * outward)
+        np.add.at(force, self._points, -p[:, None] * outward)
         return force
 
 
-def _of_body(scene: Scene, structure: Description, k: int):
-    """Pieces of body number k: points, neighbours before and after, ratio, each (m,)."""
+def carried(pressure: np.ndarray, change: np.ndarray) -> np.ndarray:
+    """`pressure` (n,) [Pa] elsewhere, where water at rest has a `change` (n,) [Pa] more of it; none where there is
+    none, for water is out of reach, and tension only where there was some."""
+    return np.where(pressure == 0.0, 0.0, np.maximum(pressure + change, np.minimum(pressure, 0.0)))
+
+
+def _of_body(scene: Scene, structure: Description, k: int) -> tuple[csr_matrix, csr_matrix, np.ndarray]:
+    """Pieces of body number k: weights (m, n) of all points in their starts and ends, and points (m,)."""
     body = scene.solid.bodies[k]
     own = np.flatnonzero(structure.body == k)
-    spacing = max(fill(body, scene.solid.dx).spacing)
+    tree, spacing = cKDTree(structure.position[own]), max(fill(body, scene.solid.dx).spacing)
     clamped = {clamp.face for clamp in scene.solid.clamps if clamp.body == body.name}
-    result = [[], [], [], []]
-    for name, segments in faces(body).items():
-        if name in clamped:
-            continue
-        for start, end in segments:
-            length = math.hypot(*(end - start))
-            along = (end - start) / length
-            s, d = (structure.position[own] - start) @ along, (structure.position[own] - start) @ [-along[1], along[0]]
-            near = np.flatnonzero((d > 0.0) & (d < _NEXT_TO * spacing) & (s > 0.0) & (s < length))
-            if len(near) < 2:
-                continue
-            near = near[np.argsort(s[near])]
-            edges = np.concatenate([[0.0], 0.5 * (s[near][1:] + s[near][:-1]), [length]])
-            row = own[near]
-            before, after = np.r_[row[:1], row[:-1]], np.r_[row[1:], row[-1:]]
-            apart = np.r_[s[near][1:], s[near][-1:]] - np.r_[s[near][:1], s[near][:-1]]
-            for column, values in zip(result, (row, before, after, np.diff(edges) / apart), strict=True):
-                column.append(values)
-    return [np.concatenate([np.empty(0), *column]) for column in result]
+    starts, ends = [], []
+    for start, end in outline_less(body, sorted(clamped)):
+        pieces = max(1, round(float(np.hypot(*(end - start))) / spacing))
+        nodes = start + np.linspace(0.0, 1.0, pieces + 1)[:, None] * (end - start)
+        starts, ends = [*starts, *nodes[:-1]], [*ends, *nodes[1:]]
+    starts, ends = np.reshape(starts, (-1, 2)), np.reshape(ends, (-1, 2))
+    _, nearest = tree.query(0.5 * (starts + ends))
+    weights = [_weights(places, structure, own, tree) for places in (starts, ends)]
+    return *weights, own[nearest]
+
+
+def _weights(places: np.ndarray, structure: Description, own: np.ndarray, tree: cKDTree) -> csr_matrix:
+    """Weights (m, n) of all points in `places` (m, 2) on the body of the points `own`."""
+    rows, columns, weights = [], [], []
+    for row, place in enumerate(places):
+        fit = linear_row(place, structure.position[own], tree, structure.spacing)
+        if fit is None:
+            raise BadInput(
+                f'coupling.loads = "pressure": round ({place[0]:.6g}, {place[1]:.6g}) m the structure has points on '
+                "one line only, which its faces cannot follow; refine solid.dx so that two lie across every body"
+            )
+        near, values = fit
+        rows += [row] * len(near)
+        columns += list(own[near])
+        weights += list(values)
+    return csr_matrix((weights, (rows, columns)), shape=(len(places), len(structure.position)))

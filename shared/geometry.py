@@ -14,7 +14,7 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.spatial import cKDTree
 
-from shared.regions import area, area_below, axes_of, contains, distance_to, faces, outline, own_box, turn
+from shared.regions import area, area_below, axes_of, contains, distance_to, faces, outline, outline_less, own_box, turn
 from shared.schema_fluid import Wall
 from shared.schema_geometry import Shape
 from shared.wall_chains import Chain, chains
@@ -29,6 +29,7 @@ __all__ = [
     "fill",
     "ghosts",
     "outline",
+    "outline_less",
     "own_box",
     "wall_particles",
 ]
@@ -77,12 +78,7 @@ def ghosts(shape: Shape, dx: float, depth: float, dry: Sequence[str]) -> Particl
     `dry`.
     """
     lattice = fill(shape, dx)
-    wetted = outline(shape)
-    named = faces(shape)
-    for name in dry:
-        same = np.all(wetted[:, None] == named[name][None], axis=(2, 3)).any(axis=1)
-        wetted = wetted[~same]
-    near = distance_to(wetted, lattice.position) <= depth
+    near = distance_to(outline_less(shape, dry), lattice.position) <= depth
     return Particles(lattice.position[near], lattice.volume[near], lattice.spacing, lattice.axes)
 
 

@@ -10,6 +10,7 @@ right and top edges do not, so that touching regions share no point and leave no
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from functools import lru_cache
 
 import numpy as np
@@ -125,6 +126,15 @@ class Same:
 
     def __eq__(self, other: object) -> bool:
         return isinstance(other, Same) and other.shape is self.shape
+
+
+def outline_less(shape: Shape, names: Sequence[str]) -> np.ndarray:
+    """The segments of `outline` (k, 2, 2) [m] that are on none of the faces `names`."""
+    segments, named = outline(shape), faces(shape)
+    for name in names:
+        same = np.all(segments[:, None] == named[name][None], axis=(2, 3)).any(axis=1)
+        segments = segments[~same]
+    return segments
 
 
 def outline_own(shape: Shape) -> np.ndarray:

@@ -54,7 +54,9 @@ def join(fluid: Model, structure: Model, clock: Clock, order: int, faces: FaceLo
     motion, _ = remotes[1].start(clock, mapping.selection, **options)
     wall = mapping.motion(motion)
     loads, _ = remotes[0].start(clock, range(len(ghosts.position)), wall, **options)
-    return Coupled(*remotes, mapping, motion, wall, Predictor(order, mapping.loads(loads)), Predictor(order, motion))
+    return Coupled(
+        *remotes, mapping, motion, wall, Predictor(order, mapping.loads(loads, motion, wall)), Predictor(order, motion)
+    )
 
 
 def march(c: Coupled, take, clock: Clock, windows: int, along=(1.0, 0.0), ledger: Ledger | None = None) -> History:

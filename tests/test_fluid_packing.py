@@ -50,7 +50,7 @@ def test_particles_stand_evenly_off_a_slope(monkeypatch):
     moved = np.hypot(*(packed.position - lattice.position).T) > 1e-3 * DX
     assert not moved[lattice.position[:, 1] > 0.3 - DX].any()  # the surface
     assert distance_to(slopes, lattice.position[moved]).max() < 2.0 * 2.0 * 1.3 * DX
-    assert np.array_equal(packed.mass, lattice.mass)
+    np.testing.assert_allclose(packed.mass, lattice.mass, rtol=2e-3)  # what a column holds between its ends
 
 
 def test_a_lattice_that_fits_its_faces_stays():

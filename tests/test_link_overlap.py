@@ -62,7 +62,9 @@ def started(remotes, clock) -> Coupled:
     points, _ = solid.start(clock, mapping.selection, **options)
     ghosts = mapping.motion(points)
     loads, _ = fluid.start(clock, range(mapping.matrix.shape[0]), ghosts, **options)
-    return Coupled(fluid, solid, mapping, points, ghosts, Predictor(0, mapping.loads(loads)), Predictor(0, points))
+    return Coupled(
+        fluid, solid, mapping, points, ghosts, Predictor(0, mapping.loads(loads, points, ghosts)), Predictor(0, points)
+    )
 
 
 @pytest.mark.timeout(90)

@@ -41,7 +41,8 @@ def test_force_moment_and_work_are_kept(pair):
     mapping = build_mapping(structure, fluid)
     rng = np.random.default_rng(0)
     force = rng.normal(size=fluid.position.shape)
-    on_points = mapping.loads(Loads(np.ones(len(force)), force))
+    still = Kinematics.at_rest(structure.position[mapping.selection])
+    on_points = mapping.loads(Loads(np.ones(len(force)), force), still, Kinematics.at_rest(fluid.position))
     np.testing.assert_allclose(on_points.force.sum(axis=0), force.sum(axis=0), atol=1e-12)
     place = structure.position[mapping.selection]
     torque = [
@@ -81,11 +82,13 @@ def test_water_on_both_sides_of_a_thin_plate_squeezes_it_and_water_on_one_side_p
     place = structure.position[mapping.selection]
     upper = place[:, 1] > 0.025
     below, above = np.isclose(ghosts[:, 1], ghosts[:, 1].min()), np.isclose(ghosts[:, 1], ghosts[:, 1].max())
-    push = mapping.loads(Loads(np.ones(len(ghosts)), np.where(above[:, None], [0.0, -1.0], 0.0))).force[:, 1]
+    places = Kinematics.at_rest(place), Kinematics.at_rest(ghosts)
+    loads = Loads(np.ones(len(ghosts)), np.where(above[:, None], [0.0, -1.0], 0.0))
+    push = mapping.loads(loads, *places).force[:, 1]
     assert push.sum() == pytest.approx(-above.sum(), rel=1e-12)
     if fluid[1] > 1:
         squeeze = (below[:, None] * np.array([0.0, 1.0])) - (above[:, None] * np.array([0.0, 1.0]))
-        force = mapping.loads(Loads(np.ones(len(ghosts)), squeeze)).force[:, 1]
+        force = mapping.loads(Loads(np.ones(len(ghosts)), squeeze), *places).force[:, 1]
         assert force.sum() == pytest.approx(0.0, abs=1e-12 * above.sum())
         moment = (ghosts[:, 1] * squeeze[:, 1]).sum()
         assert (force * place[:, 1]).sum() == pytest.approx(moment, rel=1e-11)

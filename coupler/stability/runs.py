@@ -112,7 +112,9 @@ def _run_coupled(scene: Scene, watched: Watched) -> None:
         fluid, structure = sides["fluid"].describe(), sides["solid"].describe()
         plan = make_plan(scene.coupling, fluid, structure, mass_ratio(scene, structure))
         clock = Clock.fitting(scene.end_time, plan.window)
-        c = start(scene, clock, build_mapping(structure, fluid), sides["fluid"], sides["solid"], watched, None)
+        c = start(
+            scene, clock, build_mapping(structure, fluid, scene.gravity), sides["fluid"], sides["solid"], watched, None
+        )
         take = make_taker(plan, scene.coupling)
         for window in map(clock.window, range(clock.count)):
             watched.iterations.append(len(take(c, window).changes))

@@ -1,0 +1,45 @@
+"""Water at rest as it starts: at the faces that hold it, and as deep as it presses."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from fluid_solver.settled import settle
+from shared.geometry import fill
+from shared.schema_geometry import Body
+
+G, C0, RHO0, DX = 9.81, 15.0, 1000.0, 5e-3
+TANK, BLOCK = (0.0, 0.0, 0.4, 0.3), (0.14, 0.12, 0.26, 0.17)
+
+
+def settled(body: Body, gravity=(0.0, -G)):
+    lattice = fill(body, DX)
+    place, pressure, share = settle(body, lattice.position, np.array(gravity), C0, RHO0)
+    return lattice.position, place, pressure, share
+
+
+def test_settled_water_keeps_to_the_faces_above_and_below_it():
+    """Let down as a whole it stood a quarter of dx off the block's underside, and a third too near to its top."""
+    block = Body(name="water", difference=[{"rectangle": TANK}, {"rectangle": BLOCK}])
+    before, after, pressure, share = settled(block)
+    over = (before[:, 0] > BLOCK[0]) & (before[:, 0] < BLOCK[2])
+    under, above = over & (before[:, 1] < BLOCK[1]), over & (before[:, 1] > BLOCK[3])
+    assert abs(after[under, 1].max() - BLOCK[1] + 0.5 * DX) < 0.01 * DX
+    assert abs(after[above, 1].min() - BLOCK[3] - 0.5 * DX) < 0.01 * DX
+    level = C0**2 / G * np.log1p(G * TANK[3] / C0**2)
+    held = RHO0 * C0**2 * np.expm1(G * (level - after[:, 1]) / C0**2)  # dp/dy = −ρ g with ρ = ρ0 + p/c²
+    np.testing.assert_allclose(pressure, held, rtol=1e-9, atol=1e-9)
+    column = np.abs(before[:, 0] - 0.2) < 0.6 * DX  # what presses on the block is what stands on it
+    weight = RHO0 * G * DX * share[column & above].sum() * 0.5
+    assert abs(weight / (RHO0 * C0**2 * np.expm1(G * (level - BLOCK[3]) / C0**2)) - 1.0) < 1e-9
+
+
+def test_a_column_that_stands_on_the_bottom_keeps_its_mass_whichever_way_gravity_points():
+    for gravity in ((0.0, -G), (G, 0.0), (-6.0, -8.0)):
+        _, _, pressure, share = settled(Body(name="water", rectangle=TANK), gravity)
+        if 0.0 in gravity:
+            assert (share == 1.0).all()
+        assert pressure.min() >= 0.0
+    before, after, _, share = settled(Body(name="water", rectangle=TANK), (0.0, 0.0))
+    assert (share == 1.0).all()
+    assert np.array_equal(before, after)
