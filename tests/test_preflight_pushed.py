@@ -202,3 +202,37 @@ def test_particles_of_a_spun_ring_have_too_much_inertia(tmp_path, model):
     sets = (*DISC, body, probe, "gravity=[0, 0]", "solid.dx=0.01", f"solid.model={model}")
     found = error_bound(*numbers(tmp_path, *sets))
     assert 0.01171 <= found <= 0.03
+
+
+@pytest.mark.parametrize(
+    ("quantity", "height", "sets", "error", "most"),
+    [
+        ("stress-xy", 0.05, ("solid.dx=0.025", "solid.poisson_ratio=0.45"), 0.1636, 4.0),
+        ("stress-xy", 0.075, ("solid.dx=0.0125",), 0.0680, 4.0),
+        ("stress-xy", 0.05, ("solid.dx=0.0125",), 0.0178, 8.0),
+        ("stress-yy", 0.075, ("solid.dx=0.025",), 0.0976, 4.0),
+        ("von-mises", 0.05, ("solid.dx=0.025",), 0.1654, 4.0),
+        ("stress-yy", 0.075, ("solid.model=beam",), 1.02, math.inf),
+    ],
+)
+def test_stresses_across_a_plate_and_sheared_are_bound_wider(tmp_path, quantity, height, sets, error, most):
+    """Half-way along a cantilever under a pressure that has come to rest, against σ_xy = 3V/2t (1 − 4y²/t²) and σ_yy =
+    −q/2 (1 + 3y/t − 4y³/t³); the outer fibre's σ_xx is 0.5 % off."""
+    sets = (*AT_ONE_END, "solid.poisson_ratio=0.3", *sets, f"probes.p.quantity={quantity}")
+    sets += (f"probes.p.point=[0.5, {height}]",)
+    assert error <= of_structure(*numbers(tmp_path, *sets)) <= most * error
+    along = of_structure(*numbers(tmp_path, *sets, "probes.p.quantity=stress-xx", "probes.p.point=[0.5, 0.1]"))
+    assert 0.0046 <= along <= 0.04
+
+
+def test_a_beam_has_no_stress_across_it(tmp_path):
+    scene = numbers(tmp_path, *AT_ONE_END, "probes.p.quantity=stress-yy", "solid.model=beam")[0]
+    assert any("no stress across it" in rung.reason for rung in ladder(scene) if rung.solid == "beam")
+    upright = 'solid.bodies=[{ name = "plate", rectangle = [0.0, 0.0, 0.1, 1.0] }]'
+    foot = (
+        'solid.clamps=[{ body = "plate", face = "bottom" }]',
+        "solid.loads[0].face=left",
+        "probes.p.point=[0.05, 1.0]",
+    )
+    turned = numbers(tmp_path, *AT_ONE_END, upright, *foot, "probes.p.quantity=stress-yy", "solid.model=beam")
+    assert of_structure(*turned) < 0.05

@@ -10,6 +10,8 @@ found; n particles across, t/L thickness over length, ν Poisson's ratio, dx spa
     total-lagrangian   (0.08 + 0.15 ν)/n                                udl_beam at 6 … 20 across, ν 0 … 0.47
     ctvf               (0.15 + 0.15 ν)/n quadratic, 5/n² linear, 4.5/n printed gradient
     both               at least their clamps             udl_beam, hydrostatic_plate, a dam of gel as wide as high
+    stresses           of particles, besides, 0.8/n of what is not along a slender body: across it, sheared, von Mises'
+                       in its middle half, a disc's; 2 to 17 % of a cantilever's, 4 to 8 across; a beam has none across
     all                + what particles hold of a body's area too much or too little (disc: 2 % at 10 across), or of
                        a spun one's inertia; what a lattice that does not fit the limbs of a frame makes of their
                        bending (a tee's stem of 3 in place of 4: 115 %); a peak between two rows of probes
@@ -38,11 +40,11 @@ from coupler.preflight.error_sudden import PEAKS, jumps, sudden_error
 from coupler.preflight.finding import STEADY
 from coupler.preflight.held import lengthwise
 from coupler.preflight.numbers import Numbers
-from coupler.preflight.plate import Plate, goals_quantity, of_a_body, plates_body
+from coupler.preflight.plate import Plate, goals_probe, goals_quantity, of_a_body, plates_body
 from coupler.preflight.shapes import FEW, excess, excess_of_inertia
 from coupler.preflight.swing import swing
-from shared.limbs import bearing
-from shared.regions import axes_of
+from shared.limbs import bearing, limbs
+from shared.regions import axes_of, own_box, turn
 from shared.schema import Scene
 from shared.schema_probes import STRESSES
 from shared.schema_solid import RIGID_MODELS
@@ -56,6 +58,9 @@ BENT = {1: 2.0, 2: 16.0}  # strain of the outer fibre at a clamp over thickness 
 LAGRANGIAN = (0.08, 0.15)
 UPDATED = (0.15, 0.15)
 LINEAR, PRINTED = 5.0, 4.5
+ASIDE = 0.8  # of a stress that is not along a slender body, over the particles across
+AXIAL = 0.25  # of the stress along a body, from which a component of the scene's is mostly that
+SLENDER = 3.0  # length over thickness
 KEPT = {"total-lagrangian": 1e-12, "spring": 1e-12, "rigid": 1e-12, "beam": 1e-3, "ctvf": 1e-2}
 """What a model loses of a momentum, of a free flight, or of a stress carried round, that physics keeps."""
 TIMES = ("period", "wave-period", "t_min", "t_max")
@@ -94,9 +99,23 @@ def of_structure(scene: Scene, n: Numbers) -> float:
         bound = max((base + slope * nu) / plate.across, clamps_slip(scene, plate))
     if plate.model != "beam":
         bound += abs(bearing(plates_body(scene, plate), solid.dx))
+        bound += ASIDE / plate.across if goals_quantity(scene) in STRESSES and not _axial(scene, plate) else 0.0
     bound *= (0.5 if what in TIMES else SHORTENED if _shortens(scene, plate) else 1.0) / min(1.0 - plate.squeeze, 1.0)
     bound += _stepped(scene, plate) if what in (*TIMES, *PEAKS) else 0.0
     return bound + filled + sudden_error(scene, plate) + seen_late
+
+
+def _axial(scene: Scene, plate: Plate) -> bool:
+    """Whether the goal's stress is mostly the one along a slender body: not across it, nor sheared."""
+    probe, body = goals_probe(scene), plates_body(scene, plate)
+    axis, thickness, length = lengthwise(body)
+    if length < SLENDER * thickness or limbs(body) is not None:
+        return False
+    x, y = axes_of(body.rotate)[axis]
+    if probe.quantity == "von-mises":
+        middle = 0.5 * sum(float(corner[1 - axis]) for corner in own_box(body))
+        return abs(float(turn(probe.point, body.rotate, backward=True)[1 - axis]) - middle) > 0.25 * thickness
+    return {"stress-xx": x * x, "stress-yy": y * y, "stress-xy": abs(x * y)}[probe.quantity] > AXIAL
 
 
 def _moves_as_a_whole(scene: Scene, plate: Plate) -> bool:
@@ -152,6 +171,8 @@ def not_bounded(scene: Scene, n: Numbers) -> str:
         return "its point is held by a clamp: of a displacement that is nothing there is no relative error"
     if n.plate.squeeze >= 1.0:
         return f"pressed by {n.plate.squeeze:.3g} of Euler's load it buckles, and small differences decide how far"
+    if n.plate.model == "beam" and goals_quantity(scene) in ("stress-xx", "stress-yy") and not _axial(scene, n.plate):
+        return "a beam has no stress across it; total-lagrangian has"
     if jumps(scene, n.plate):
         return f"behind a front that jumps the {what} of a stress overshoots; give the load a ramp"
     if what in PERIODS and (seen := periods(scene, n)) is not None and seen < LEAST_PERIODS:
