@@ -27,10 +27,11 @@ def loading() -> Iterator[None]:
     on_stop_signals(lambda number, frame: os._exit(INTERRUPTED))
     try:
         yield
-    except (ImportError, OSError, MemoryError) as error:
+    except (ImportError, OSError, MemoryError, ValueError) as error:
         print(
-            f"error: this program cannot be loaded ({error or type(error).__name__}): it may lack memory (ulimit -v), "
-            "open files (ulimit -n), or a part that was not installed: pip install it again",
+            f"error: this program cannot be loaded ({str(error) or type(error).__name__}): it may lack memory "
+            "(ulimit -v), open files (ulimit -n), or a part that was not installed (pip install it again), or a "
+            "variable of the environment that a library reads is wrong (like NUMBA_NUM_THREADS=0)",
             file=sys.stderr,
         )
         sys.exit(3)

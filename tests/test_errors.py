@@ -247,11 +247,19 @@ def test_no_memory_left(command, monkeypatch, tmp_path, error, words):
     assert (result["status"], words in result["reason"]) == ("lost", True)
 
 
-def test_a_program_that_cannot_be_loaded_says_so():
-    lines = "from shared.start import loading\nwith loading():\n    import shared.nothing_of_the_kind"
+@pytest.mark.parametrize(
+    ("line", "words"),
+    [
+        ("import shared.nothing", "No module named 'shared.nothing'"),
+        ("raise ValueError('Number of threads')", "Number of threads"),  # numba's, of NUMBA_NUM_THREADS=0
+        ("raise MemoryError", "MemoryError"),
+    ],
+)
+def test_a_program_that_cannot_be_loaded_says_so(line, words):
+    lines = f"from shared.start import loading\nwith loading():\n    {line}"
     done = subprocess.run([sys.executable, "-c", lines], capture_output=True, text=True, timeout=60)
     assert done.returncode == 3
-    assert "cannot be loaded (No module named 'shared.nothing_of_the_kind')" in done.stderr
+    assert f"error: this program cannot be loaded ({words})" in done.stderr
     assert "Traceback" not in done.stderr
 
 
