@@ -3,7 +3,8 @@
 Each part is measured on cases with a known answer (cases/results and README.md), with a margin of 1.2 to 2.5 over the
 worst found; dx spacing of the fluid. The structure's part, and what its swing adds: error_solid.py.
 
-    still              0.1 %; its level keeps the water's volume
+    still              0.1 %; its level keeps the water's volume; 1.2 (dx/H)² of what a plate bends, H the water's
+                       extent along it, for its pressures act at points    a dam of steel before 10 cm of mercury
                        (neither this nor a column bears a body that floats, this none without weight)
     column             0.1 % of a mean, and a plate's sag over the depth, for columns do not level out; 30 % of the
                        swing of a plate that bends, whose water flows sideways too (share of the first mode,
@@ -48,11 +49,13 @@ from coupler.preflight.error_solid import (
     swing_in_a_mean,
 )
 from coupler.preflight.finding import COLUMN, STEADY, of_particles
+from coupler.preflight.held import lengthwise
 from coupler.preflight.numbers import Numbers
-from coupler.preflight.plate import goals_probe, goals_quantity, of_a_body
+from coupler.preflight.plate import goals_probe, goals_quantity, of_a_body, plates_body
 from coupler.preflight.resonance import RESONANCE, resonance
 from coupler.preflight.swing import RADIATES, carries_sound, late, radiates
 from shared.geometry import outline
+from shared.regions import axes_of
 from shared.schema import Scene
 from shared.schema_fluid import PARTICLE_FLUIDS
 from shared.schema_probes import FORCES, Probe
@@ -60,7 +63,7 @@ from shared.schema_solid import RIGID_MODELS
 
 Parts = dict[str, float]
 
-STILL = 1e-3
+STILL, AT_POINTS = 1e-3, 1.2
 REST = {"ctvf": 1.0, "wcsph": 3.0}
 CROWD, CROWDED = 2.0, 0.1  # from this h/dx on a lattice of particles bears hardly any shear, and rest is as much better
 SAG = 0.05  # of dx: what a lattice that bears shear takes off a level
@@ -99,7 +102,8 @@ def _fluid(scene: Scene, n: Numbers) -> float:
     floats = n.plate is not None and afloat(scene, n.plate)
     if water.model == "still":
         weighs = any(scene.gravity)
-        return STILL if water.rests and steady and weighs and not closed and not floats else UNKNOWN
+        known = water.rests and steady and weighs and not closed and not floats
+        return STILL + _at_points(scene, n) if known else UNKNOWN
     if water.model not in PARTICLE_FLUIDS:
         bends = n.plate is not None and n.plate.model not in RIGID_MODELS
         if not water.rests or floats or (closed and scene.fluid.column.far_end == "open"):
@@ -109,6 +113,16 @@ def _fluid(scene: Scene, n: Numbers) -> float:
             return STILL + sag
         return (COLUMN if bends else STILL) + _sounding(scene, n)
     return _at_rest(scene, n, floats) if water.rests else flow_error(scene, n)
+
+
+def _at_points(scene: Scene, n: Numbers) -> float:
+    """Of what a plate bends under pressures that act at points, dx apart, along the water before it."""
+    if n.plate is None or n.plate.model in RIGID_MODELS or not of_a_body(scene):
+        return 0.0
+    body = plates_body(scene, n.plate)
+    along = np.concatenate([outline(one).reshape(-1, 2) for one in scene.fluid.bodies])
+    reach = float(np.ptp(along @ axes_of(body.rotate)[lengthwise(body)[0]]))
+    return AT_POINTS * (n.water.dx / min(reach, n.plate.length)) ** 2
 
 
 def _at_rest(scene: Scene, n: Numbers, floats: bool) -> float:
