@@ -11,7 +11,7 @@ from solid_solver.beam_geometry import Beam, beam_loads
 from solid_solver.beam_points import TERMS, add_forces, sections, spread
 from solid_solver.beam_sweeps import steps
 from solid_solver.initial import start_rotation, start_velocity
-from solid_solver.loads import share_table
+from solid_solver.loads import mean_table
 from solid_solver.stresses import stress_fields
 
 _MIDDLE = 0.5  # published points stand at the middle of their elements
@@ -51,7 +51,8 @@ class MovingBeam:
             load = load[0].copy(), load[1].copy()
             add_forces(force, beam.element, beam.offset, beam.h, beam.axes, *load)
         ends = self._ends.at(middles + 0.5 * dt)
-        shares, state = share_table(self._schedules, middles), (self.q, self.v, self.a, self.rate, self.book)
+        edges = np.append(middles - 0.5 * dt, middles[-1:] + 0.5 * dt)
+        shares, state = mean_table(self._schedules, edges), (self.q, self.v, self.a, self.rate, self.book)
         section = beam.mass, beam.h, beam.stiffness
         return steps(state, (beam.free, ends), *section, self.eta, dt, load, self._scheduled, shares) > 0
 

@@ -38,6 +38,28 @@ class Schedule:
             return np.ones(len(times))
         return ramp_shares(times, np.array([self.ramp]))[:, 0]
 
+    def means(self, edges: np.ndarray) -> np.ndarray:
+        """The load's mean factor (m,) between successive `edges` (m + 1,) [s]: no pulse is lost between two times."""
+        return np.diff(self._integral(edges)) / np.diff(edges)
+
+    def even(self, edges: np.ndarray) -> bool:
+        """Whether the factor stays as it is all the way from the first of `edges` [s] to the last."""
+        first, last = (self.times[0], self.times[-1]) if self.times else (0.0, self.ramp)
+        return edges[-1] <= first or edges[0] >= last
+
+    def _integral(self, times: np.ndarray) -> np.ndarray:
+        """Integral (m,) [s] of the factor up to `times` (m,) [s]."""
+        if self.times:
+            at, factor = np.array(self.times), np.array(self.factors)
+            whole = np.concatenate([[0.0], np.cumsum(0.5 * (factor[1:] + factor[:-1]) * np.diff(at))])
+            k = np.clip(np.searchsorted(at, times, side="right") - 1, 0, len(at) - 1)
+            share = np.where(times < at[0], factor[0], 0.5 * (factor[k] + self.shares(times)))
+            return whole[k] + share * (times - at[k])
+        if self.ramp == 0.0:
+            return times
+        within = np.clip(times / self.ramp, 0.0, 1.0)
+        return 0.5 * self.ramp * (within - np.sin(math.pi * within) / math.pi) + np.maximum(times - self.ramp, 0.0)
+
 
 def schedule(load: Load) -> Schedule:
     """The schedule of a load of the scene."""
@@ -49,6 +71,11 @@ def schedule(load: Load) -> Schedule:
 def share_table(schedules: Sequence[Schedule], times: np.ndarray) -> np.ndarray:
     """Factors (m, g) of loads with `schedules` at `times` (m,) [s]."""
     return np.array([s.shares(times) for s in schedules]).reshape(len(schedules), len(times)).T.copy()
+
+
+def mean_table(schedules: Sequence[Schedule], edges: np.ndarray) -> np.ndarray:
+    """Mean factors (m, g) of loads with `schedules` between successive `edges` (m + 1,) [s]."""
+    return np.array([s.means(edges) for s in schedules]).reshape(len(schedules), max(len(edges) - 1, 0)).T.copy()
 
 
 @dataclass(frozen=True)
@@ -69,16 +96,23 @@ class ScheduledLoads:
         """Factors (m, g) of the ramped loads at `times` (m,) [s]."""
         return share_table(self.schedules, times)
 
+    def kicks(self, times: np.ndarray) -> np.ndarray:
+        """Mean factors (m, g) of the ramped loads about `times` (m,) [s]: from halfway to the one before to halfway to
+        the next."""
+        return mean_table(self.schedules, np.concatenate([times[:1], 0.5 * (times[1:] + times[:-1]), times[-1:]]))
+
     def at(self, time: float) -> np.ndarray:
         """Acceleration (n, 2) [m/s²] by all loads of the undeformed bodies at `time` [s]."""
         dead = self.steady + np.tensordot(self.shares(np.array([time]))[0], self.ramped, axes=1)
         return dead + self.by_following(time, np.zeros_like(dead))
 
-    def by_following(self, time: float, displacement: np.ndarray) -> np.ndarray:
-        """Acceleration (n, 2) [m/s²] by the following loads under a `displacement` (n, 2) [m] at `time` [s]."""
+    def by_following(self, time: float, displacement: np.ndarray, over: tuple[float, ...] = ()) -> np.ndarray:
+        """Acceleration (n, 2) [m/s²] by the following loads under a `displacement` (n, 2) [m] at `time` [s], with their
+        mean factors between two times `over`, if given."""
         total = np.zeros_like(self.steady)
         for load, when in self.following:
-            total += when.shares(np.array([time]))[0] * load.acceleration(displacement, time)
+            share = when.means(np.array(over)) if over else when.shares(np.array([time]))
+            total += share[0] * load.acceleration(displacement, time)
         return total
 
     def on_clamps(self, time: float, displacement: np.ndarray) -> np.ndarray:

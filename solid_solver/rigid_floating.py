@@ -4,8 +4,9 @@ Per body, with displacement X of the centre of mass and angle θ from where it s
 
     m Ẍ + (c + η m) Ẋ + k X = F,    I θ̈ + (cθ + η I) θ̇ + kθ θ = M(θ).
 
-A step solves these exactly under constant F and M. Forces keep their direction while their points turn with the body;
-M = Σ F·Δx/Δθ, the difference quotient over the step, so that its work is that of the forces on their points.
+A step solves these exactly under constant F and M, of loads that change their means. Forces keep their direction while
+their points turn with the body; M = Σ F·Δx/Δθ, the difference quotient over the step, so that its work is that of the
+forces on their points.
 """
 
 from __future__ import annotations
@@ -21,6 +22,7 @@ from solid_solver.filled import FilledBody
 from solid_solver.loads import Schedule, schedule
 
 _MOST_ITERATIONS = 50
+_FINER = 64  # steps in place of one while a load changes
 _TERMS = 14  # of the exponential's series, for arguments below 1/2: exact to rounding
 
 
@@ -101,8 +103,8 @@ class FloatingBody:
         self.work = np.zeros(1)
         self._energy_at_start = self.kinetic()
         self._loads = self._scheduled(scene)
-        load = self._load_at(np.array([0.0]))[0]
-        force = np.array([load[0], load[1], load[2]])
+        now = sum((when.shares(np.zeros(1)) * load for when, load in self._loads), np.zeros(4))
+        force = now[:3]
         self.pose[2] = (force - self.damping * self.pose[1]) / self.inertia
         self.step(np.empty(0), 1.0, None)  # no step: compiles before the run is timed
 
@@ -120,15 +122,16 @@ class FloatingBody:
             loads.append((schedule(load), resultant(segments.mean(axis=1) - self.centre, force)))
         return loads
 
-    def _load_at(self, times: np.ndarray) -> np.ndarray:
-        total = np.zeros((len(times), 4))
-        for when, load in self._loads:
-            total += np.outer(when.shares(times), load)
-        return total
-
     def step(self, middles: np.ndarray, dt: float, force: np.ndarray | None) -> bool:
-        """Take steps of `dt` [s] about the times `middles` under `force` (n, 2) [N/m] on the points."""
-        total = self._load_at(middles)
+        """Take steps of `dt` [s] about the times `middles` under `force` (n, 2) [N/m] on the points; shorter ones while
+        a load changes."""
+        edges = np.append(middles - 0.5 * dt, middles[-1:] + 0.5 * dt)
+        if len(middles) and not all(when.even(edges) for when, _ in self._loads):
+            edges = np.linspace(edges[0], edges[-1], len(middles) * _FINER + 1)
+            dt /= _FINER
+        total = np.zeros((max(len(edges) - 1, 0), 4))
+        for when, load in self._loads:
+            total += np.outer(when.means(edges), load)
         if force is not None:
             total += resultant(self.arm, force)
         return steps(self.pose, self.work, self.inertia, self.damping, self.stiffness, total, dt)

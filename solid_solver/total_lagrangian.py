@@ -169,14 +169,14 @@ class TotalLagrangian:
 
         Returns the acceleration (2, slots) at the last time.
         """
-        shares = self._loads.shares(times)
+        shares = self._loads.kicks(times)
         eta, lattice = self._scene.solid.damping, self._lattice
         whole, half = damped_kick(eta, dt), damped_kick(eta, 0.5 * dt)
-        before, load = lattice.displacement, self._steady(times[0], force)
+        before, load = lattice.displacement, self._steady(times[0], force, 0.5 * dt)
         lattice.v *= half[0]
         lattice.v += half[1] * (lattice.a + lattice.padded(load) + np.tensordot(shares[0], self._ramped, axes=1))
         lattice.u += dt * lattice.v
-        after = self._steady(times[-1], force) if self._loads.following else load
+        after = self._steady(times[-1], force, -0.5 * dt) if self._loads.following else load
         held = lattice.padded(after)
         lattice.step(times[1:], held, self._ramped, shares[1:], np.array([whole, half]), dt)
         if self._books.wanted:
@@ -184,11 +184,12 @@ class TotalLagrangian:
             self._books.add(mean, lattice.displacement - before)
         return lattice.a + held + np.tensordot(shares[-1], self._ramped, axes=1) - eta * lattice.v
 
-    def _steady(self, time: float, force: np.ndarray | None) -> np.ndarray:
-        """Acceleration (n, 2) [m/s²] by loads that are kept over a step, in the present state."""
+    def _steady(self, time: float, force: np.ndarray | None, over: float) -> np.ndarray:
+        """Acceleration (n, 2) [m/s²] by loads that are kept over a step, in the present state: the mean from `time` to
+        `over` [s] later, or before."""
         steady = self._loads.steady if force is None else self._loads.steady + force
         if self._loads.following:
-            steady = steady + self._loads.by_following(time, self._lattice.displacement)
+            steady = steady + self._loads.by_following(time, self._lattice.displacement, (time, time + over))
         return steady
 
     def _kinetic(self, k: int) -> float:

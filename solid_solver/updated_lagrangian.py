@@ -187,12 +187,12 @@ class UpdatedLagrangian:
 
         Returns the acceleration (n, 2) at the last time.
         """
-        shares = self._loads.shares(times)
+        shares = self._loads.kicks(times)
         steady = self._loads.steady if force is None else self._loads.steady + force
         before, velocity = self._tracers()
         if self._loads.following:
             middle = before - self._reference + 0.5 * dt * velocity
-            steady = steady + self._loads.by_following(0.5 * (times[0] + times[-1]), middle)
+            steady = steady + self._loads.by_following(0.5 * (times[0] + times[-1]), middle, (times[0], times[-1]))
         loads, kick = (self._padded(steady), self._ramped, shares), damped_kick(self._scene.solid.damping, 0.5 * dt)
         self._stepper.take(self._s.held.places(times), loads, dt, kick)
         if self._books.wanted:

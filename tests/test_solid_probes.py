@@ -12,7 +12,7 @@ from shared.statistics import statistic
 from solid_solver.bodies import lattice_bodies
 from solid_solver.following import following_load
 from solid_solver.initial import cantilever_mode, cantilever_root, start_velocity
-from solid_solver.loads import schedule
+from solid_solver.loads import Schedule, schedule
 from solid_solver.models import make_model
 from tests.solid_scenes import beam_scene, run, solid_scene
 
@@ -192,3 +192,25 @@ def test_period_and_change_of_a_history():
     assert statistic("period", time, value) == pytest.approx(0.7, rel=5e-3)
     assert statistic("period", time[:100], value[:100]) is None
     assert statistic("change", time, np.linspace(-4.0, 2.0, 3101)) == pytest.approx(6.0 / 4.0)
+
+
+@pytest.mark.parametrize("model", [*PARTICLES, "beam", "spring"])
+def test_a_pulse_shorter_than_a_step_gives_its_impulse(model):
+    """A blow of 1 ms between two rows of probes left a body on a spring, or a free one, where it was."""
+    table = {"times": [0.033101, 0.033104, 0.033105], "factors": [0.0, 1.0, 0.0]}
+    body = [{"name": "b", "rectangle": [0.0, 0.0, 1.0, 0.25], "free": True}]
+    blow = [{"body": "b", "acceleration": [6.0e3, 0.0], "table": table}]
+    scene = solid_scene(model=model, dx=0.05, bodies=body, loads=blow, probes=probes("b", "momentum-x"))
+    one = make_model(scene, False, 1)
+    one.begin(None)
+    one.advance(0.0, 0.1, max(40, math.ceil(0.1 / one.stable_step())), None)
+    assert one.probe_values()["momentum_x"] == pytest.approx(250.0 * 6.0e3 * 2.0e-6, rel=1e-9)
+
+
+def test_means_of_a_schedule_are_its_integral():
+    """Over a ramp, a table with jumps of slope, before and after them."""
+    for when in (Schedule(ramp=0.3), Schedule(times=(0.1, 0.2, 0.5), factors=(2.0, -1.0, 3.0)), Schedule()):
+        edges = np.array([0.0, 0.05, 0.13, 0.4, 0.7])
+        for mean, a, b in zip(when.means(edges), edges[:-1], edges[1:], strict=True):
+            fine = np.linspace(a, b, 20001)
+            assert mean == pytest.approx(np.trapezoid(when.shares(fine), fine) / (b - a), rel=1e-6)
