@@ -16,7 +16,7 @@ from fluid_solver.settled import settle
 from shared.contract import BadInput
 from shared.expected_speed import NO_SPEED
 from shared.expected_speed import sound_speed as scenes_sound_speed
-from shared.geometry import contains, distance_to, fill, outline, wall_particles
+from shared.geometry import contains, distance_to, fill, outline, outline_less, wall_particles
 from shared.geometry import ghosts as body_ghosts
 from shared.kernels import Kernel
 from shared.schema import Scene
@@ -42,7 +42,7 @@ class FluidParticles:
 @dataclass(frozen=True)
 class Ghosts:
     """Walls, then structures: position (n, 2), volume, kind (n,), owner (n,): index of the wall or of the body, and
-    foot (n, 2): the nearest point of the wall's face; of structures, which bend, the ghost itself."""
+    foot (n, 2): the nearest point of the wall's face, or of the structure's in its reference state."""
 
     position: np.ndarray
     volume: np.ndarray
@@ -52,9 +52,9 @@ class Ghosts:
 
     @property
     def normal(self) -> np.ndarray:
-        """Unit vectors (n, 2) from the wall's face to the ghosts; zero for structures."""
-        arm = self.position - self.foot
-        return arm / np.where(self.kind == STRUCTURE, 1.0, np.hypot(*arm.T))[:, None]
+        """Unit vectors (n, 2) from the wall's face to the ghosts; zero for structures, which bend."""
+        arm, bends = self.position - self.foot, self.kind == STRUCTURE
+        return np.where(bends[:, None], 0.0, arm) / np.where(bends, 1.0, np.hypot(*arm.T))[:, None]
 
     @property
     def walls(self) -> int:
@@ -129,7 +129,8 @@ def lay_ghosts(scene: Scene, support: float) -> Ghosts:
         inside = body_ghosts(body, dx, support, dry)
         keep = within_period(scene, inside.position)
         position = inside.position[keep]
-        parts.append(_part(position, inside.volume[keep], STRUCTURE, index, position))
+        foot = wall_foot(outline_less(body, dry), position)
+        parts.append(_part(position, inside.volume[keep], STRUCTURE, index, foot))
     if not parts:
         return Ghosts(*_part(np.empty((0, 2)), np.empty(0), STRUCTURE, 0, np.empty((0, 2))))
     return Ghosts(*(np.concatenate(column) for column in zip(*parts, strict=True)))

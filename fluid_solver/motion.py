@@ -2,7 +2,8 @@
 
 A pose (n, 8) holds position, velocity, acceleration and normal of n ghosts: x, y, u, v, ax, ay, nx, ny. Velocity and
 acceleration of a wall's are those of its face before the ghost, where the fluid meets it: behind a face that turns the
-ghosts move faster, and would drag the fluid so.
+ghosts move faster, and would drag the fluid so. So is the velocity of a structure's where the fluid sticks to it: it
+goes on to the face linearly from the ghosts there.
 """
 
 from __future__ import annotations
@@ -11,6 +12,8 @@ import math
 
 import numba
 import numpy as np
+from scipy.sparse import csr_array
+from scipy.spatial import cKDTree
 
 from fluid_solver.cells import BLOCK
 from fluid_solver.fields import AX, AY, FLUID, PARKED, X, Y
@@ -25,6 +28,7 @@ from shared.schema_geometry import Motion
 from shared.wall_chains import chains
 
 POSE = 8
+_NEAREST = 12  # ghosts of a body that its face's velocity is taken from
 _hermite = inline_njit(hermite)
 
 
@@ -53,6 +57,7 @@ class GhostMotion:
                     if sliding[first.wall] != sliding[second.wall]:
                         self.pose[rows, 2:4] = 0.0
         self._wall_speed = 0.0  # m/s, of the fastest ghost of a wall
+        self._faces = at_feet(ghosts) if scene.fluid.viscosity > 0.0 else None
         self.x0 = rest[self._walls :].copy()
         self.v0 = np.zeros_like(self.x0)
 
@@ -69,6 +74,8 @@ class GhostMotion:
             a = boundary.acceleration_mean if self._accelerated else np.zeros_like(boundary.acceleration_mean)
             end, pose = (boundary.position, boundary.velocity), self.pose[self._walls :]
             structure_pose(since / length, length, self.x0, self.v0, *end, a, pose)
+            if self._faces is not None:
+                pose[:, 2:4] = self._faces @ pose[:, 2:4]
 
     def start(self, boundary: Kinematics | None) -> None:
         """A window begins where `boundary` ended."""
@@ -107,6 +114,26 @@ class WallMotion:
         """A bound of the ghosts' speed [m/s] at `time` [s]."""
         u, v, spin = self._table.at(time)[1]
         return math.hypot(u, v) + abs(spin) * self._reach
+
+
+def at_feet(ghosts: Ghosts) -> csr_array:
+    """Weights (m, m) that give the velocity at the feet of the structures' m ghosts from the ghosts' own: linear fits
+    to the ghosts of the body nearest to each foot, exact for what turns, and for what strains evenly."""
+    rows, columns, weights = [], [], []
+    owner, kept = ghosts.owner[ghosts.walls :], ghosts.position[ghosts.walls :]
+    for body in np.unique(owner):
+        own = np.flatnonzero(owner == body)
+        place, foot = kept[own], ghosts.foot[ghosts.walls :][own]
+        near = cKDTree(place).query(foot, k=min(_NEAREST, len(own)))[1].reshape(len(own), -1)
+        middle = place[near].mean(axis=1, keepdims=True)
+        slope = np.linalg.pinv(place[near] - middle)  # of least size: none across a single row
+        rows.append(np.repeat(own, near.shape[1]))
+        columns.append(own[near].ravel())
+        weights.append((1.0 / near.shape[1] + np.einsum("aj,ajk->ak", foot - middle[:, 0], slope)).ravel())
+    shape = (len(owner), len(owner))
+    if not rows:
+        return csr_array(shape)
+    return csr_array((np.concatenate(weights), (np.concatenate(rows), np.concatenate(columns))), shape=shape)
 
 
 @njit

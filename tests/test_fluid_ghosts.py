@@ -10,6 +10,7 @@ from fluid_solver.initial import lay_ghosts
 from fluid_solver.models import make_model
 from fluid_solver.motion import GhostMotion, WallMotion, structure_pose
 from fluid_solver.wall_forces import WallForces
+from shared.contract import Kinematics
 from shared.schema_geometry import Motion
 from tests.fluid_models import G, begun, fluid_rows, run, scene, tank
 
@@ -227,3 +228,23 @@ def test_a_belt_of_several_walls_slides_as_one():
     cases = [bare_tank(walls, viscosity=1e-3) for walls in ([drum], parts)]
     whole, split = (GhostMotion(case, lay_ghosts(case, 0.026)).pose for case in cases)
     assert np.array_equal(whole, split)
+
+
+@pytest.mark.parametrize("thickness", [0.2, 0.012, 0.005])
+def test_ghosts_of_a_structure_that_turns_show_the_velocity_of_its_face_to_what_sticks(thickness):
+    """A shaft's ghosts stand inside its face and are slower, and drove water too slowly. A sheet of one row of ghosts
+    shows its own along itself."""
+    body = {"name": "shaft", "rectangle": (0.0, 0.0, 0.2, thickness)}
+    solid = {"model": "rigid", "dx": 0.005, "density": 1000.0, "bodies": [body]}
+    water = [{"name": "water", "rectangle": (0.0, -0.1, 0.2, 0.0)}]
+    case = scene(water, [], solid=solid, dx=0.005, viscosity=1e-3)
+    ghosts = lay_ghosts(case, 0.026)
+    motion, spin, speed = GhostMotion(case, ghosts), 3.0, np.array([0.5, -0.2])
+    turning = lambda x: speed + spin * np.c_[-x[:, 1], x[:, 0]]  # noqa: E731
+    own = turning(ghosts.position)
+    end = ghosts.position + 1e-9 * own
+    motion.start(Kinematics(ghosts.position, own, 0.0 * own, own, 0.0 * own))
+    motion.to(0.0, 1e-9, 1e-9, Kinematics(end, own, 0.0 * own, own, 0.0 * own))
+    foot = ghosts.foot if thickness > 0.005 else np.c_[ghosts.foot[:, 0], ghosts.position[:, 1]]
+    assert motion.pose[:, 2:4] == pytest.approx(turning(foot), abs=1e-7)
+    assert np.all(motion.pose[:, 6:] == 0.0)
