@@ -12,6 +12,7 @@ found; n particles across, t/L thickness over length, ν Poisson's ratio, dx spa
     both               at least their clamps             udl_beam, hydrostatic_plate, a dam of gel as wide as high
     stresses           of particles, besides, 0.8/n of what is not along a slender body: across it, sheared, von Mises'
                        in its middle half, a disc's; 2 to 17 % of a cantilever's, 4 to 8 across; a beam has none across
+    mean reactions     0.1 % of dead loads, whatever a body is made of
     all                + what particles hold of a body's area too much or too little (disc: 2 % at 10 across), or of
                        a spun one's inertia; what a lattice that does not fit the limbs of a frame makes of their
                        bending (a tee's stem of 3 in place of 4: 115 %); a peak between two rows of probes
@@ -46,7 +47,7 @@ from coupler.preflight.swing import swing
 from shared.limbs import bearing, limbs
 from shared.regions import axes_of, own_box, turn
 from shared.schema import Scene
-from shared.schema_probes import STRESSES
+from shared.schema_probes import REACTIONS, STRESSES
 from shared.schema_solid import RIGID_MODELS
 from shared.sides import probe_rows
 from shared.solid_step import BEAM_STEPS, FIRST_ROOT
@@ -58,6 +59,7 @@ BENT = {1: 2.0, 2: 16.0}  # strain of the outer fibre at a clamp over thickness 
 LAGRANGIAN = (0.08, 0.15)
 UPDATED = (0.15, 0.15)
 LINEAR, PRINTED = 5.0, 4.5
+AT_REST = 1e-3  # of what clamps bear of dead loads, whatever a body is made of
 ASIDE = 0.8  # of a stress that is not along a slender body, over the particles across
 AXIAL = 0.25  # of the stress along a body, from which a component of the scene's is mostly that
 SLENDER = 3.0  # length over thickness
@@ -84,6 +86,8 @@ def of_structure(scene: Scene, n: Numbers) -> float:
         return KEPT[plate.model]
     if _of_displacement(scene) and _moves_as_a_whole(scene, plate):
         return KEPT[plate.model]
+    if what in STEADY and goals_quantity(scene) in REACTIONS and _dead(scene, plate):
+        return max(KEPT[plate.model], AT_REST) + (0.0 if plate.model == "beam" else _filled(scene, plate))
     seen_late, filled = _between_rows(scene, n), 0.0 if plate.model == "beam" else _filled(scene, plate)
     if plate.model in RIGID_MODELS:
         return filled + seen_late
@@ -103,6 +107,14 @@ def of_structure(scene: Scene, n: Numbers) -> float:
     bound *= (0.5 if what in TIMES else SHORTENED if _shortens(scene, plate) else 1.0) / min(1.0 - plate.squeeze, 1.0)
     bound += _stepped(scene, plate) if what in (*TIMES, *PEAKS) else 0.0
     return bound + filled + sudden_error(scene, plate) + seen_late
+
+
+def _dead(scene: Scene, plate: Plate) -> bool:
+    """Whether all that a body's clamps bear is dead: weight and loads that keep their direction."""
+    solid = scene.solid
+    follows = any(load.following for load in solid.loads if load.body == plate.name)
+    moved = any(clamp.motion is not None for clamp in solid.clamps if clamp.body == plate.name)
+    return scene.fluid is None and not follows and not moved
 
 
 def _axial(scene: Scene, plate: Plate) -> bool:
