@@ -9,7 +9,7 @@ from shared.regions import SIDES
 from shared.scene_geometry import across, has_shape
 from shared.schema import Scene
 from shared.schema_geometry import Shape
-from shared.schema_probes import FORCES, MOMENTA, REACTIONS, SOLID_ONLY, STRESSES
+from shared.schema_probes import FORCES, MOMENTA, QUANTITIES, REACTIONS, SOLID_ONLY, STRESSES
 from shared.schema_solid import PARTICLE_MODELS, RIGID_MODELS
 
 LEAST_SLENDER = 3.0  # length over thickness below which a body is no beam
@@ -27,7 +27,7 @@ _EXPRESSED = {
 """What models that are not made of particles can say; the others say everything."""
 
 _EXPRESSED_BY_WATER = {"still": ("pressure", "level"), "column": ("pressure",)}
-"""What fluids that are not made of particles can say besides forces on solids; they leave other probes out."""
+"""What fluids that are not made of particles can say besides forces on solids; they leave other probes out, with a warning."""
 
 _BY_FORCES = ("external-work", "dissipated", *REACTIONS)
 
@@ -120,20 +120,33 @@ def _quantities(scene: Scene) -> Iterator[str]:
             yield f"{path}: the motion is prescribed, so no forces are computed; leave it out"
 
 
-def _goals(scene: Scene) -> Iterator[str]:
-    """A goal that the fluid's model leaves out."""
-    fluid, goal = scene.fluid, scene.goal
+def _unknown_to_water(scene: Scene) -> Iterator[tuple[int, str]]:
+    """Number of each probe that the fluid's model leaves out, and the sentence that says so, less its end."""
+    fluid = scene.fluid
     known = _EXPRESSED_BY_WATER.get(fluid.model) if fluid is not None else None
-    if known is None or goal is None:
-        return
     bodies = {body.name for body in scene.solid.bodies or []} if scene.solid is not None else ()
-    for probe in scene.probes:
-        if probe.name == goal.probe and probe.body not in bodies and probe.quantity not in known:
+    for i, probe in enumerate(scene.probes if known is not None else []):
+        if probe.body not in bodies and probe.quantity in QUANTITIES and probe.quantity not in known:
             of = "walls" if probe.quantity in FORCES else "water"
             yield (
-                f'goal.probe = "{goal.probe}": {probe.quantity} of {of} is nothing that model {fluid.model} knows (it '
-                f"knows {', '.join(known)} and the force on a structure); use model wcsph or ctvf, or another goal"
+                i,
+                f"{probe.quantity} of {of} is nothing that model {fluid.model} knows (it knows {', '.join(known)} and "
+                "the force on a structure)",
             )
+
+
+def _goals(scene: Scene) -> Iterator[str]:
+    """A goal that the fluid's model leaves out."""
+    for i, what in _unknown_to_water(scene):
+        if scene.goal is not None and scene.probes[i].name == scene.goal.probe:
+            yield f'goal.probe = "{scene.goal.probe}": {what}; use model wcsph or ctvf, or another goal'
+
+
+def _left_out(scene: Scene) -> Iterator[str]:
+    """Probes that the fluid's model leaves out."""
+    for i, what in _unknown_to_water(scene):
+        name = scene.probes[i].name
+        yield f"probes[{i}]: '{name}' will have no value: {what}; use model wcsph or ctvf, or leave it out"
 
 
 def _starts(scene: Scene) -> Iterator[str]:
@@ -207,4 +220,4 @@ MODEL_CHECKS: tuple[Callable[[Scene], Iterator[str]], ...] = (
     _starts,
     _following,
 )
-MODEL_WARNINGS: tuple[Callable[[Scene], Iterator[str]], ...] = (_unused,)
+MODEL_WARNINGS: tuple[Callable[[Scene], Iterator[str]], ...] = (_unused, _left_out)

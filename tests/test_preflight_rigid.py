@@ -14,7 +14,7 @@ from coupler.preflight.window import expected_plan
 from coupler.window import make_plan, mass_ratio
 from fluid_solver.models import make_model as make_fluid
 from shared.contract import BadInput
-from shared.scene import load_scene
+from shared.scene import load_scene, scene_warnings
 from solid_solver.models import make_model as make_solid
 from tests.scenes import scene_of
 
@@ -184,3 +184,10 @@ def test_an_incompressible_column_needs_no_sound_speed():
 def test_a_goal_that_the_water_leaves_out_is_refused(tmp_path):
     with pytest.raises(BadInput, match="elevation of water is nothing that model column knows"):
         scene_of(PADDLE, tmp_path, ["fluid.model=column"])
+
+
+def test_a_probe_that_the_water_leaves_out_is_warned_of():
+    watched = 'probes=[{name="piston_x", quantity="displacement-x", body="piston", point=[0.0, 0.1]}, '
+    watched += '{name="push", quantity="force-x", body="piston"}, {name="v", quantity="velocity-y", point=[0.5, 0.1]}]'
+    (said,) = scene_warnings(load_scene("piston", [watched]))
+    assert said.startswith("probes[2]: 'v' will have no value: velocity-y of water is nothing that model column knows")
