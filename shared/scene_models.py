@@ -27,7 +27,7 @@ _EXPRESSED = {
 """What models that are not made of particles can say; the others say everything."""
 
 _EXPRESSED_BY_WATER = {"still": ("pressure", "level"), "column": ("pressure",)}
-"""What fluids that are not made of particles can say besides forces on solids; they leave other probes out, with a warning."""
+"""What fluids that are not made of particles can say besides forces on solids; other probes they leave out."""
 
 _BY_FORCES = ("external-work", "dissipated", *REACTIONS)
 
