@@ -15,6 +15,7 @@ CASES = (
     "cantilever_gravity",
     "cantilever_in_water",
     "dam_break",
+    "dam_break_gate",
     "dam_break_plate",
     "dam_break_wall",
     "hydrostatic_plate",

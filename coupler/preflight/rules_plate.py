@@ -11,7 +11,7 @@ from shared.schema_solid import PARTICLE_MODELS, RIGID_MODELS
 from shared.solid_step import LARGEST_UPDATED_COURANT, LATTICE_LIMIT, LATTICE_SHARE, UPDATED_COURANT
 
 SLENDER_WARN, SLENDER_REFUSE = 5.0, 3.0
-CAUCHY_WARN, CAUCHY_REFUSE = 10.0, 1000.0  # dam_break_plate has 2.5 and bends by half its length
+CAUCHY_WARN, CAUCHY_REFUSE = 30.0, 1000.0  # dam_break_plate has 2.5, dam_break_gate 15: both bend by half their length
 ACROSS_WARN, ACROSS_REFUSE = 4.0, 3.0
 POISSON_WARN = 0.49
 EULER_SAID, EULER_WARN = 0.5, 0.9  # of Euler's load
