@@ -6,7 +6,8 @@ import math
 
 import pytest
 
-from coupler.preflight.error import error_bound
+from coupler.preflight.error import error_bound, error_parts
+from coupler.preflight.error_lattice import HELD
 from coupler.preflight.ladder import ladder
 from coupler.preflight.numbers import scene_numbers
 from coupler.preflight.rules import findings
@@ -144,6 +145,21 @@ def test_pressures_over_the_faces_of_a_body_under_water_have_no_bound(tmp_path):
     by_faces, by_forces = (bounds(scene_of(BLOCK.replace("LOADS", loads), tmp_path)) for loads in ("pressure", "force"))
     assert by_faces["wcsph + spring"] == by_faces["ctvf + spring"] == math.inf
     assert by_faces["still + spring"] == by_forces["still + spring"]
+
+
+def test_water_under_pressure_holds_a_block_that_moves_in_it(tmp_path):
+    """Found, nine thicknesses deep: 25 % of its way missing with h = 1.3 dx, 12 % with 2 dx, in water of both models;
+    4 % where it moves lengthwise."""
+    deep = BLOCK.replace("LOADS", "force").replace("0.3]", "0.62]").replace("0.4]", "0.8]")
+    few = scene_of(deep, tmp_path, ["fluid.h_over_dx=1.3"])
+    many = scene_of(deep, tmp_path, ["fluid.h_over_dx=2.0"])
+    assert 0.25 < error_bound(few, scene_numbers(few)) < 4 * 0.25
+    assert 0.12 < error_bound(many, scene_numbers(many)) < 4 * 0.12
+    said = {finding.rule: finding for finding in findings(few, scene_numbers(few))}["water's hold"]
+    assert said.verdict == "warn"
+    assert "fluid.h_over_dx = 2.0" in said.way_out
+    sideways = scene_of(deep, tmp_path, ["probes[0].quantity=displacement-x"])
+    assert error_parts(sideways, scene_numbers(sideways))[HELD] < 0.7 * error_parts(many, scene_numbers(many))[HELD]
 
 
 def test_without_weight_a_closed_column_is_no_water_at_rest(tmp_path):

@@ -28,6 +28,7 @@ worst found; dx spacing of the fluid. The structure's part, and what its swing a
                        is a small difference of them: where it has moved out of the water's lattice, 1 to 6 % off that
                        of the forces with h = 2 dx, 5 to 8 % with 1.3 dx, 50 to 80 % at a depth of nine thicknesses; on
                        a floor, and of water at rest, they are right     sprung blocks, a floor under 20 cm
+    a body that moves under water at rest   coupler/preflight/error_lattice.py
     water that flows   coupler/preflight/error_flow.py
 """
 
@@ -39,6 +40,7 @@ import numpy as np
 
 from coupler.preflight.afloat import afloat, to_equilibrium
 from coupler.preflight.error_flow import MOTIONS, SMOOTH, flow_error, off_level
+from coupler.preflight.error_lattice import HELD, lattice_hold
 from coupler.preflight.error_solid import (
     PHASE,
     SWING,
@@ -84,6 +86,8 @@ def error_parts(scene: Scene, n: Numbers) -> Parts:
         parts[f"fluid {scene.fluid.model}"] = UNKNOWN if away else _fluid(scene, n)
     if over_faces := _over_faces(scene, n):
         parts[FACES] = over_faces
+    if hold := lattice_hold(scene, n):
+        parts[HELD] = hold * (0.5 if scene.goal.statistic in TIMES else 1.0)
     error = sum(parts.values())
     swings = {SWING: swing_in_a_mean(scene, n), PHASE: swing_at_the_end(scene, n, error)}
     swings[RESONANCE] = resonance(scene, n, error) if scene.solid is not None else 0.0

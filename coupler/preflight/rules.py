@@ -17,6 +17,7 @@ from coupler.preflight.rules_joint import (
     mass_ratio,
     step_ratio,
     support,
+    water_holds,
     window_number,
 )
 from coupler.preflight.rules_plate import (
@@ -55,6 +56,7 @@ RULES: tuple[Rule, ...] = (
     across,
     support,
     face_pressures,
+    water_holds,
     ghost_acceleration,
     step_ratio,
     courant_fluid,

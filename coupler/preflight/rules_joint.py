@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 
+from coupler.preflight.error_lattice import MANY_NEIGHBOURS, lattice_hold
 from coupler.preflight.finding import COLUMN, STEADY, Finding, above, below, of_particles
 from coupler.preflight.numbers import Numbers
 from coupler.preflight.swing import RADIATES, sounding
@@ -22,6 +23,7 @@ ALPHA_REFUSE = {"serial": (2.0, 1.155, 0.709), "parallel": (0.667, 0.252, 0.078)
 LEAST_WINDOWS = 10.0
 """Iterated windows in a swing; refused below one: a peak is 1 % off at 6, a mean 4 % at a third of one (floors)."""
 SUPPORT_WARN, SUPPORT_REFUSE = 1.0, 0.5  # thickness over support: water sees water through the plate below 1
+HELD_WARN = 0.05  # cantilever_in_water is bound by 0.03
 STEP_RATIO_WARN = 5000.0  # sub-steps of the solid per fluid step; hydrostatic_plate has 170
 
 
@@ -134,6 +136,20 @@ def face_pressures(scene: Scene, n: Numbers) -> Finding | None:
         return Finding("face pressures", value, "ok", "sides with water: pressures are integrated over one")
     reason = "sides with water: the net of pressures beside particles is a small difference, and may be nothing like it"
     return Finding("face pressures", value, "warn", reason, "coupling.loads = force")
+
+
+def water_holds(scene: Scene, n: Numbers) -> Finding | None:
+    """What a lattice of particles under pressure may hold of what moves a body in it (error_lattice.py)."""
+    value = lattice_hold(scene, n)
+    if not value:
+        return None
+    reason = f"of what moves the {n.plate.name}, water under pressure may hold: its lattice bears shear until it slips"
+    if value <= HELD_WARN:
+        return Finding("water's hold", value, "ok", reason)
+    still = scene.goal is None or scene.goal.statistic in STEADY
+    ways = ["fluid.model = still where it comes to rest"] if still else []
+    ways += ["fluid.h_over_dx = 2.0"] if scene.fluid.h_over_dx < MANY_NEIGHBOURS else []
+    return Finding("water's hold", value, "warn", reason, ", ".join([*ways, "a smaller fluid.dx"]))
 
 
 def ghost_acceleration(scene: Scene, n: Numbers) -> Finding | None:
