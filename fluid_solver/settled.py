@@ -19,6 +19,9 @@ import numpy as np
 from shared.geometry import outline
 from shared.schema_geometry import Body
 
+LIGHTEST = 0.5  # share of its mass that a particle has at least: less at the edge of deep water, which is let down
+_THINNEST = 1e-9  # of the water's depth: a thinner stretch
+
 
 def settle(body: Body, position: np.ndarray, gravity: np.ndarray, c0: float, rho0: float):
     """Positions (n, 2) and pressures (n,) of the body's particles, settled under `gravity`, and their masses over
@@ -42,20 +45,28 @@ def settle(body: Body, position: np.ndarray, gravity: np.ndarray, c0: float, rho
 
     below = np.where(foot > lowest, mass_above(foot), deep)
     above = np.where(head < highest, mass_above(head), 0.0)
-    share = (below - above) / (head - foot)
+    share = (below - above) / np.maximum(head - foot, _THINNEST * deep)
     depth = above + share * (head - height)
     lift = (settled(deep) - settled(depth)) - (deep - (highest - height))
-    return position + lift[:, None] * up, rho0 * g * depth, share
+    return position + lift[:, None] * up, rho0 * g * depth, np.maximum(share, LIGHTEST)
 
 
 def stretch(faces: np.ndarray, across: np.ndarray, height: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Heights (n,) of the `faces` (k, 2, 2) next below and above points, at `across` and `height` (n,), as theirs are;
-    lowest and highest of all where there is none."""
+    """Heights (n,) of the `faces` (k, 2, 2), the body on their left, that a point's stretch of it stands on and ends
+    at; `across` and `height` (n,) are the points', as those of the faces are. Lowest and highest of all where there is
+    none.
+
+    A point that was moved out of the body, as packing does beside a slope, is of the stretch below it.
+    """
     lowest, highest = faces[:, :, 1].min(), faces[:, :, 1].max()
     foot, head = np.full(len(height), lowest), np.full(len(height), highest)
-    for (start, low), (end, high) in faces:
-        crossed = (across >= min(start, end)) & (across < max(start, end))
-        at = low + (high - low) * (across - start) / (end - start if end != start else 1.0)
-        foot = np.where(crossed & (at <= height), np.maximum(foot, at), foot)
-        head = np.where(crossed & (at > height), np.minimum(head, at), head)
+    for carries, found in ((True, foot), (False, head)):
+        for (start, low), (end, high) in faces:
+            if (end > start) == carries and end != start:
+                crossed = (across >= min(start, end)) & (across < max(start, end))
+                at = low + (high - low) * (across - start) / (end - start)
+                if carries:
+                    found[...] = np.where(crossed & (at <= height), np.maximum(found, at), found)
+                else:
+                    found[...] = np.where(crossed & (at > foot), np.minimum(found, at), found)
     return foot, head

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from fluid_solver.settled import settle
+from fluid_solver.settled import LIGHTEST, settle
 from shared.geometry import fill
 from shared.schema_geometry import Body
 
@@ -43,3 +43,16 @@ def test_a_column_that_stands_on_the_bottom_keeps_its_mass_whichever_way_gravity
     before, after, _, share = settled(Body(name="water", rectangle=TANK), (0.0, 0.0))
     assert (share == 1.0).all()
     assert np.array_equal(before, after)
+
+
+def test_a_particle_that_packing_moved_out_of_the_surface_beside_a_slope_is_of_the_water_below_it():
+    """Between two faces of no distance its mass was not a number (a shore of 45 degrees); deep water is let down from
+    the edge of a shore, where there was next to no mass."""
+    shore = Body(name="water", polygon=[(0.0, 0.0), (0.4, 0.0), (0.7, 0.3), (0.0, 0.3)])
+    points = np.array([(0.693, 0.3016), (0.2, 0.301), (0.7, 0.3), (0.6985, 0.2993), (0.2, 0.2)])
+    place, pressure, share = settle(shore, points, np.array([0.0, -G]), C0, RHO0)
+    assert np.isfinite(place).all()
+    assert np.abs(pressure[:3]).max() < 2e-3 * RHO0 * G
+    np.testing.assert_allclose(place[:, 1] - points[:, 1], 0.0, atol=0.7 * DX)
+    assert share.min() >= LIGHTEST
+    assert share[4] == 1.0
