@@ -50,7 +50,7 @@ class Columns:
         self._reference = np.concatenate([patch.position for patch in self._patches])
         self._normal = np.concatenate([np.tile(patch.normal, (len(patch.position), 1)) for patch in self._patches])
         self._length = np.concatenate([np.full(len(patch.position), patch.length) for patch in self._patches])
-        self._width = np.concatenate([np.full(len(patch.position), patch.width) for patch in self._patches])
+        self._width = np.concatenate([patch.width for patch in self._patches])
         self._static = np.concatenate([patch.static(scene, patch.position) for patch in self._patches])
         bounds = np.cumsum([0, *(len(patch.position) for patch in self._patches)])
         self._own = [slice(a, b) for a, b in itertools.pairwise(bounds)]

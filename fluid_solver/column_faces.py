@@ -1,4 +1,9 @@
-"""Where columns of water stand: the parts of the structure's faces that a fluid body touches."""
+"""Where columns of water stand: the parts of the structure's faces that a fluid body touches.
+
+Their feet stand in the middles of equal cells, and each column bears what its foot feels. That midpoint rule errs by
+second differences over 24, which the outermost four columns at either end of a face take back, of five or more: they
+are 9/8, 3/4, 7/6 and 23/24 cells wide. So the work of a pressure on a face that bends is right to fourth order.
+"""
 
 from __future__ import annotations
 
@@ -11,15 +16,18 @@ from shared.schema import Scene
 from shared.schema_geometry import Body
 from shared.wetted_faces import wetted_stretches
 
+_AT_AN_END = np.array([3.0, -6.0, 4.0, -1.0]) / 24.0  # what columns at an end of a face are wider than their cells
+
 
 @dataclass(frozen=True)
 class Patch:
-    """Columns on one face: feet `position` (n, 2) [m], `width` of each and common `length` [m], `normal` (2,) into the
-    water, `body`: index of the solid body, `lattice` (m, 2): points of the water, `top` [m²/s²]: the largest of −g·x
-    over the water, whose level the static pressure is counted from."""
+    """Columns on one face: feet `position` (n, 2) [m] a `cell` apart, `width` (n,) of each and common `length` [m],
+    `normal` (2,) into the water, `body`: index of the solid body, `lattice` (m, 2): points of the water, `top` [m²/s²]:
+    the largest of −g·x over the water, whose level the static pressure is counted from."""
 
     position: np.ndarray
-    width: float
+    cell: float
+    width: np.ndarray
     length: float
     normal: np.ndarray
     body: int
@@ -37,13 +45,13 @@ class Patch:
         column, away = self.locate(points)
         beside = np.linalg.norm(points - self.position[column] - away[:, None] * self.normal, axis=1)
         off = np.maximum(-self._height(points), self._height(points) - self.length)
-        return np.maximum(beside - 0.5 * self.width, 0.0) + np.maximum(off, 0.0)
+        return np.maximum(beside - 0.5 * self.cell, 0.0) + np.maximum(off, 0.0)
 
     def locate(self, points: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Nearest column (m,) and the distance (m,) from its foot, within its length."""
         away = np.clip(self._height(points), 0.0, self.length)
         along = (points - self.position[0]) @ np.array([self.normal[1], -self.normal[0]])
-        return np.clip(np.rint(along / self.width), 0, len(self.position) - 1).astype(int), away
+        return np.clip(np.rint(along / self.cell), 0, len(self.position) - 1).astype(int), away
 
     def _height(self, points: np.ndarray) -> np.ndarray:
         return (points - self.position[0]) @ self.normal
@@ -62,10 +70,19 @@ def _of_body(scene: Scene, body: Body) -> list[Patch]:
     for s in wetted_stretches(scene, body):
         inward = np.array([-s.along[1], s.along[0]])  # the body is on the left
         count = max(1, round((s.high - s.low) / scene.fluid.dx))
-        width = (s.high - s.low) / count
-        feet = s.start + (s.low + (np.arange(count)[:, None] + 0.5) * width) * s.along
-        found.append(Patch(feet, width, _extent(body, s.side), inward, s.solid, lattice, top))
+        cell = (s.high - s.low) / count
+        feet = s.start + (s.low + (np.arange(count)[:, None] + 0.5) * cell) * s.along
+        found.append(Patch(feet, cell, cell * _widths(count), _extent(body, s.side), inward, s.solid, lattice, top))
     return found
+
+
+def _widths(count: int) -> np.ndarray:
+    """Widths (count,) of columns in cells."""
+    widths = np.ones(count)
+    if count > len(_AT_AN_END):
+        widths[: len(_AT_AN_END)] += _AT_AN_END
+        widths[-len(_AT_AN_END) :] += _AT_AN_END[::-1]
+    return widths
 
 
 def _extent(body: Body, side: int) -> float:

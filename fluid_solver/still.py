@@ -3,8 +3,11 @@
 Each wetted stretch of a solid's outline is a chain of nodes, the interface points, about dx apart, and goes on up to
 the end of the straight side that it stands on. A node at x carries p = ρ max(0, g·x + s), with s that of the level that
 keeps the water's volume between the faces as they are (still_level.py). Between two nodes the face is straight and p
-linear, and its force −∫ p n dl goes to both by the linear shape functions: exact for the deformed chain, so that load
-and its moment follow the interface.
+linear up to the level, and its force −∫ p n dl goes to both by the linear shape functions: exact for the deformed
+chain, so that load and its moment follow the interface.
+Such forces alone bend a plate too much: a face w(x) lies h² w″/12 off the straight lines between nodes h apart, in the
+mean. So each link's force f takes f (w₋ − 2 w + w₊)/12 back, from the second differences at the nodes next to it; on
+chains of four links and more, which have three of them.
 """
 
 from __future__ import annotations
@@ -12,6 +15,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 
 import numpy as np
+from scipy.sparse import csr_matrix, lil_matrix
 
 from fluid_solver.still_level import Level, pools
 from shared.contract import Description, Frame, Kinematics, Loads, SolverFailed
@@ -19,6 +23,8 @@ from shared.geometry import contains, fill, outline
 from shared.schema import Scene
 from shared.schema_probes import FORCES
 from shared.wetted_faces import DRY, wet_links
+
+_LEAST_BENDS = 3  # of a chain, from which they tell how it bends at its ends
 
 
 class StillWater:
@@ -32,6 +38,7 @@ class StillWater:
         self._up = -self._gravity / (self._g or 1.0)
         self._pools = pools(scene.fluid.bodies)
         self._nodes, self._links, self._body, self._pool = _chains(scene, self._pools)
+        self._bends, self._shares = _bends(self._links)
         self._place = self._nodes.copy()
         self._level = self._lay_levels()
         self._height = {k: level.first for k, level in self._level.items()}
@@ -167,14 +174,17 @@ class StillWater:
 
     def _load(self, place: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Pressure (n,) [Pa] and force (n, 2) [N/m] of nodes at `place` (n, 2)."""
-        p = self._scene.fluid.density * np.maximum(place @ self._gravity + self._top(self._pool), 0.0)
-        along = self._along(place)
+        p = self._scene.fluid.density * (place @ self._gravity + self._top(self._pool))
+        along, (first, second) = self._along(place), self._links.T
         into_solid = np.c_[-along[:, 1], along[:, 0]]  # the solid is on the left; as long as the link
+        at_first, at_second = _shared(p[first], p[second])
         force = np.zeros_like(place)
-        first, second = self._links.T
-        np.add.at(force, first, ((2.0 * p[first] + p[second]) / 6.0)[:, None] * into_solid)
-        np.add.at(force, second, ((p[first] + 2.0 * p[second]) / 6.0)[:, None] * into_solid)
-        return p, force
+        np.add.at(force, first, at_first[:, None] * into_solid)
+        np.add.at(force, second, at_second[:, None] * into_solid)
+        back = self._shares @ ((at_first + at_second)[:, None] * into_solid)
+        for node, times in zip(self._bends.T, (-1.0, 2.0, -1.0), strict=True):
+            np.add.at(force, node, times * back)
+        return np.maximum(p, 0.0), force
 
     def _at(self, points: np.ndarray) -> np.ndarray:
         """Pressure (m,) [Pa] at `points` (m, 2): of the water that holds them, else of the first."""
@@ -199,6 +209,30 @@ def _chains(scene: Scene, pool: list[int]) -> tuple[np.ndarray, np.ndarray, np.n
             owner += [index] * added
             of_pool += [touched[k]] * added
     return np.array(nodes), np.array(links), np.array(owner, dtype=np.int64), np.array(of_pool)
+
+
+def _shared(p: np.ndarray, q: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Integrals of the positive part of a pressure, from `p` (m,) to `q` (m,) on links of length 1, times the shape
+    functions of both ends."""
+    high, low = np.maximum(p, q), np.minimum(p, q)
+    wet = np.where(low < 0.0, np.maximum(high, 0.0) / np.where(high > low, high - low, 1.0), 1.0)  # from the higher on
+    high, low = np.maximum(high, 0.0), np.maximum(low, 0.0)
+    total, far = 0.5 * wet * (high + low), wet**2 * (high + 2.0 * low) / 6.0
+    return np.where(p >= q, total - far, far), np.where(p >= q, far, total - far)
+
+
+def _bends(links: np.ndarray) -> tuple[np.ndarray, csr_matrix]:
+    """Nodes (k, 3) of two links in a row, and the share of each link's force (k, m) that they take back: a twelfth, by
+    their second differences as they are at the link's middle."""
+    after = np.flatnonzero(links[:-1, 1] == links[1:, 0])  # the first link of each bend
+    shares = lil_matrix((len(after), len(links)))
+    for run in np.split(np.arange(len(after)), np.flatnonzero(np.diff(after) > 1) + 1):
+        for k in range(len(run) + 1 if len(run) >= _LEAST_BENDS else 0):
+            near = min(max(k - 1, 0), len(run) - 2)
+            beyond = k - 0.5 - near
+            shares[run[near], after[run[0]] + k] = (1.0 - beyond) / 12.0
+            shares[run[near + 1], after[run[0]] + k] = beyond / 12.0
+    return np.c_[links[after], links[after + 1, 1]], shares.tocsr()
 
 
 def _upward(touched: np.ndarray, fall: float) -> np.ndarray:

@@ -116,3 +116,16 @@ def test_the_level_goes_back_with_the_state(tmp_path):
     model.restore(kept)
     again = moved(model, lambda x: x + [0.15, 0.0])[1]
     assert first.pressure.tobytes() == again.pressure.tobytes()
+
+
+@pytest.mark.parametrize(("depth", "links"), [(0.4, 8), (0.36, 8), (0.37, 4)])
+def test_forces_on_a_wall_that_bends_do_the_work_of_the_pressure(tmp_path, depth, links):
+    """On a cantilever, y² (3 L − y)/6, with the level between two nodes; force and moment are exact."""
+    scene = TANK.format(waters=POOL, solids=WALL)
+    body = f"fluid.bodies=[{{ name = 'a', rectangle = [0.0, 0.0, 0.5, {depth}] }}]"
+    model = StillWater(scene_of(scene, tmp_path, [body, f"fluid.dx={0.8 / links}"]), coupled=True, threads=1)
+    y, fx = model.describe().position[:, 1], model.begin(None).force[:, 0]
+    weight = RHO * G * depth**2 / 2.0
+    np.testing.assert_allclose([fx.sum(), fx @ y], [weight, weight * depth / 3.0], rtol=1e-12)
+    work = RHO * G * (0.8 * depth**4 / 24.0 - depth**5 / 120.0)
+    assert fx @ (y**2 * (2.4 - y) / 6.0) == pytest.approx(work, rel=1e-3)

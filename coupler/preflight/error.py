@@ -3,12 +3,14 @@
 Each part is measured on cases with a known answer (cases/results and README.md), with a margin of 1.2 to 2.5 over the
 worst found; dx spacing of the fluid. The structure's part, and what its swing adds: error_solid.py.
 
-    still              0.1 %; its level keeps the water's volume; 1.2 (dx/H)² of what a plate bends, H the water's
-                       extent along it, for its pressures act at points    a dam of steel before 10 cm of mercury
+    still              0.1 %; its level keeps the water's volume
                        (neither this nor a column bears a body that floats, this none without weight)
     column             0.1 % of a mean, and a plate's sag over the depth, for columns do not level out; 30 % of the
                        swing of a plate that bends, whose water flows sideways too (share of the first mode,
                        coupler/preflight/numbers.py)
+    its points         of both, n along a plate that bends: 3/n⁴ under columns on a cantilever, of a plate between two
+                       clamps 6/n⁴ (still), 15/n⁴ (column); less than four links, or five columns, do not tell its
+                       curvature: 1.2/n², 1.2/n⁴                           a dam of steel before 10 cm of mercury
     sound              of water that carries it θ²/4 of a swing, θ the depth in radians of sound, or L/π of a plate that
                        does not close its water, whose mass counts tan θ/θ times
                                                                             a tank on springs, a floor under 5 cm
@@ -65,7 +67,10 @@ from shared.schema_solid import RIGID_MODELS
 
 Parts = dict[str, float]
 
-STILL, AT_POINTS = 1e-3, 1.2
+STILL = 1e-3
+AT_POINTS = {"still": (0.0, 6.0), "column": (3.0, 15.0)}  # over n⁴, of a cantilever and between two clamps
+ENOUGH = {"still": 4, "column": 5}  # points of a face that tell how it is curved
+AT_FEW = ((1.2, 2), (1.2, 4))  # over a power of fewer
 REST = {"ctvf": 1.0, "wcsph": 3.0}
 CROWD, CROWDED = 2.0, 0.1  # from this h/dx on a lattice of particles bears hardly any shear, and rest is as much better
 SAG = 0.05  # of dx: what a lattice that bears shear takes off a level
@@ -114,19 +119,23 @@ def _fluid(scene: Scene, n: Numbers) -> float:
             return UNKNOWN
         sag = (n.plate.deflection or 0.0) / water.height if bends else 0.0  # a column's own top sags with its foot
         if steady:
-            return STILL + sag
+            return STILL + sag + _at_points(scene, n)
         return (COLUMN if bends else STILL) + _sounding(scene, n)
     return _at_rest(scene, n, floats) if water.rests else flow_error(scene, n)
 
 
 def _at_points(scene: Scene, n: Numbers) -> float:
-    """Of what a plate bends under pressures that act at points, dx apart, along the water before it."""
+    """Of what a plate bends under pressures at points, dx apart: those of its columns, or of its side in `still`."""
     if n.plate is None or n.plate.model in RIGID_MODELS or not of_a_body(scene):
         return 0.0
-    body = plates_body(scene, n.plate)
-    along = np.concatenate([outline(one).reshape(-1, 2) for one in scene.fluid.bodies])
-    reach = float(np.ptp(along @ axes_of(body.rotate)[lengthwise(body)[0]]))
-    return AT_POINTS * (n.water.dx / min(reach, n.plate.length)) ** 2
+    body, model = plates_body(scene, n.plate), n.water.model
+    axis, _, length = lengthwise(body)
+    if model == "column":
+        along = np.concatenate([outline(one).reshape(-1, 2) for one in scene.fluid.bodies])
+        length = min(length, float(np.ptp(along @ axes_of(body.rotate)[axis])))
+    points, two = max(1, round(length / n.water.dx)), int(n.plate.clamps == 2)
+    times, power = (AT_POINTS[model][two], 4) if points >= ENOUGH[model] else AT_FEW[two]
+    return times / points**power
 
 
 def _at_rest(scene: Scene, n: Numbers, floats: bool) -> float:
