@@ -267,7 +267,7 @@ class ParticleFluid:
 
     def probe_values(self) -> dict[str, float]:
         """Present values of the scene's fluid probes."""
-        return self._observer.values(self.store, self._mean_force, self._motion.pose[:, 6:])
+        return self._observer.values(self.store, self._mean_force, self._motion.pose)
 
     def frame(self) -> Frame:
         """All fluid particles inside the domain, in their first order: velocity, pressure, density."""

@@ -33,12 +33,12 @@ class Observer:
         self._solids = {b.name: k for k, b in enumerate(scene.solid.bodies)} if scene.solid else {}
         self._probes = [p for p in scene.probes if not is_solids(scene, p)]
 
-    def values(self, store, force: np.ndarray, normal: np.ndarray) -> dict[str, float]:
+    def values(self, store, force: np.ndarray, pose: np.ndarray) -> dict[str, float]:
         """Present value of every fluid probe, by name. `force` (ghosts, 2) [N/m]: of the fluid on each ghost, mean
-        over the last window; `normal` (ghosts, 2): present ones."""
-        return {probe.name: float(self._value(probe, store, force, normal)) for probe in self._probes}
+        over the last window; `pose` (ghosts, 8): present one (motion.py)."""
+        return {probe.name: float(self._value(probe, store, force, pose)) for probe in self._probes}
 
-    def _value(self, probe: Probe, store, force: np.ndarray, normal: np.ndarray) -> float:
+    def _value(self, probe: Probe, store, force: np.ndarray, pose: np.ndarray) -> float:
         S, quantity = store.S[:, : store.count], probe.quantity
         kind = store.kind[: store.count]
         if quantity in _SAMPLED:
@@ -47,7 +47,7 @@ class Observer:
         if quantity == "elevation":
             return surface_at(S, kind, self._kernel, probe.point[0], store.grid, self._c) - probe.point[1]
         if quantity in FORCES:
-            return self._force_on(probe.body, FORCES.index(quantity), force, normal)
+            return self._force_on(probe.body, FORCES.index(quantity), force, pose)
         if quantity == "clipped-impulse":
             return store.clipped.sum()
         if quantity == "leaked":
@@ -79,9 +79,9 @@ class Observer:
         at = order[first_connected(x, y, order, self._c.support)]
         return (x, y)[axis][at] + 0.5 * self._c.dx
 
-    def _force_on(self, name: str, axis: int, force: np.ndarray, normal: np.ndarray) -> float:
+    def _force_on(self, name: str, axis: int, force: np.ndarray, pose: np.ndarray) -> float:
         if name in self._walls:
-            return self._wall_forces.on(self._walls[name], force, normal)[axis]
+            return self._wall_forces.on(self._walls[name], force, pose[:, :2], pose[:, 6:])[axis]
         mine = (self._ghosts.kind == STRUCTURE) & (self._ghosts.owner == self._solids[name])
         return force[mine, axis].sum()
 

@@ -2,8 +2,9 @@
 
 The ghosts of a corner stand behind both of its walls, and are pushed along both normals. What pushes them is shared by
 direction: f = α n + β m, n and m the normals of the two walls; α n is the force on the first, β m that on the second.
-Ghosts of a floor behind a wall that stands on it are shared likewise. So water at rest pushes a wall along its normal
-only, and the sum over the walls is that over the ghosts.
+Ghosts of a floor behind a wall that stands on it are shared likewise, also behind one that moves otherwise, as a piston
+along its floor: then those that stand behind it now, of a column that its foot passes the part that does. So water at
+rest pushes a wall along its normal only, and the sum over the walls is that over the ghosts.
 """
 
 from __future__ import annotations
@@ -15,8 +16,9 @@ import numpy as np
 
 from fluid_solver.fields import STRUCTURE
 from fluid_solver.initial import Ghosts, joints
+from shared.geometry import distance_to
 from shared.schema import Scene
-from shared.wall_chains import Chain, Ground, chains
+from shared.wall_chains import MEET, Chain, Ground, chains, parting
 
 _LEAST_SINE = 0.1  # of the turn at a corner: below, about 6°, and beyond 174°, each ghost's force is its owner's
 
@@ -37,32 +39,76 @@ class WallForces:
     def __init__(self, scene: Scene, ghosts: Ghosts, support: float):
         """`support` [m]: how far the fluid pushes."""
         self._owner = np.where(ghosts.kind == STRUCTURE, -1, ghosts.owner)
-        self._normal = ghosts.normal
+        self._rest, self._normal = ghosts.position, ghosts.normal
+        self._dx, self._support = scene.fluid.dx, support
         self._corners = list(_corners(scene, ghosts.position, self._owner, support))
+        self._parting = [
+            foot
+            for foot in parting(scene.walls, scene.fluid.dx)
+            if all((self._owner == side.wall).any() for side in foot[:2])
+        ]
+        self._alone = np.ones(len(self._owner), dtype=bool)  # ghosts of no fixed corner
+        for corner in self._corners:
+            self._alone[corner.rows] = False
 
-    def on(self, wall: int, force: np.ndarray, normal: np.ndarray) -> np.ndarray:
-        """Force (2,) [N/m] on a wall. `force` (ghosts, 2) [N/m], `normal` (ghosts, 2): present ones."""
+    def on(self, wall: int, force: np.ndarray, position: np.ndarray, normal: np.ndarray) -> np.ndarray:
+        """Force (2,) [N/m] on a wall. `force` (ghosts, 2) [N/m], `position` [m] and `normal` (ghosts, 2): present
+        ones."""
         mine = self._owner == wall
         total = np.array([force[mine, axis].sum() for axis in (0, 1)])
         for corner in self._corners:
             if wall in corner.walls:
-                pushed, owner = force[corner.rows], self._owner[corner.rows]
                 turn = _turn(self._normal[corner.rows[0]], normal[corner.rows[0]])
-                part = turn @ corner.first @ turn.T @ pushed.sum(axis=0)
-                if wall == corner.walls[1]:
-                    part = pushed.sum(axis=0) - part
-                total = total + part - pushed[owner == wall].sum(axis=0)
+                now = _Corner(corner.walls, corner.rows, turn @ corner.first @ turn.T)
+                total = total + self._moved(now, wall, force[corner.rows])
+        for ground, own, starts in self._parting:
+            if wall in (ground.wall, own.wall):
+                total = total + self._at_foot(ground, own, starts, wall, force, position, normal)
         return total
+
+    def _moved(self, corner: _Corner, wall: int, pushed: np.ndarray) -> np.ndarray:
+        """What a wall bears (2,) of the forces `pushed` (n, 2) on a corner's ghosts, less those on its own."""
+        part = corner.first @ pushed.sum(axis=0)
+        if wall == corner.walls[1]:
+            part = pushed.sum(axis=0) - part
+        return part - pushed[self._owner[corner.rows] == wall].sum(axis=0)
+
+    def _at_foot(self, ground: Ground, own: Ground, starts: bool, wall: int, force, position, normal) -> np.ndarray:
+        """`_moved` where the face `own` of a wall stands on the `ground`, as long as it does."""
+        floor, face = (self._present(side, position, normal) for side in (ground, own))
+        place, sense = (face[0], 1.0) if starts else (face[1], -1.0)
+        arm = position - place
+        past = np.where(
+            self._owner == ground.wall, np.clip(0.5 + sense * arm @ _along(floor) / self._dx, 0.0, 1.0), 0.0
+        )
+        past[(self._owner == own.wall) & (sense * arm @ _along(face) < 0.0)] = 1.0
+        rows = np.flatnonzero((past > 0.0) & self._alone & (np.hypot(*arm.T) < self._support))
+        sides = [(ground, floor), (own, face)] if starts else [(own, face), (ground, floor)]
+        first = _first_part(*(_normal_of(now) for _, now in sides))
+        if first is None or distance_to(floor[None], place[None])[0] > MEET * self._dx:
+            return np.zeros(2)
+        corner = _Corner((sides[0][0].wall, sides[1][0].wall), rows, first)
+        return self._moved(corner, wall, past[rows, None] * force[rows])
+
+    def _present(self, side: Ground, position: np.ndarray, normal: np.ndarray) -> np.ndarray:
+        """A wall's face (2, 2) [m] where it is now."""
+        one = np.argmax(self._owner == side.wall)
+        return position[one] + (side.face - self._rest[one]) @ _turn(self._normal[one], normal[one]).T
 
 
 def _corners(scene: Scene, position: np.ndarray, owner: np.ndarray, support: float) -> Iterator[_Corner]:
     """Corners of unlike walls that have ghosts which both walls share."""
     for chain in chains(scene.walls, scene.fluid.dx):
         for first, second, rows in [*joints(chain, position, owner), *_feet(chain, position, owner, support)]:
-            n, m = _normal_of(first.face), _normal_of(second.face)
-            sine = n[0] * m[1] - n[1] * m[0]
-            if first.wall != second.wall and sine > _LEAST_SINE and len(rows):
-                yield _Corner((first.wall, second.wall), rows, np.outer(n, [m[1], -m[0]]) / sine)
+            part = _first_part(_normal_of(first.face), _normal_of(second.face))
+            if first.wall != second.wall and part is not None and len(rows):
+                yield _Corner((first.wall, second.wall), rows, part)
+
+
+def _first_part(n: np.ndarray, m: np.ndarray) -> np.ndarray | None:
+    """What takes a force to its part (2, 2) along `n` (2,), the rest along `m`; None where they are too much alike."""
+    sine = n[0] * m[1] - n[1] * m[0]
+    return np.outer(n, [m[1], -m[0]]) / sine if sine > _LEAST_SINE else None
 
 
 def _feet(

@@ -75,6 +75,21 @@ def crowds(walls: Sequence[Wall], dx: float) -> list[list[int]]:
     return [list(group) for group in dict.fromkeys(groups) if len(group) > 2]
 
 
+def parting(walls: Sequence[Wall], dx: float) -> list[tuple[Ground, Ground, bool]]:
+    """Ends of walls that stand on the face of a wall of unlike motion at first: that face, the wall's own there, and
+    whether it starts there."""
+    found = []
+    for chain in chains(walls, dx):
+        motion = walls[chain.owner[0]].motion
+        grounds = [Ground(k, face) for k, w in enumerate(walls) if w.motion != motion for face in segments_of(w)]
+        for end, starts in ((0, True), (-1, False)) if grounds and not chain.closed else ():
+            segment = chain.segments[end]
+            ground = _under(*(segment if starts else segment[::-1]), grounds, MEET * dx)
+            if ground is not None:
+                found.append((ground, Ground(int(chain.owner[end]), segment), starts))
+    return found
+
+
 def _meetings(walls: Sequence[Wall], near: float) -> Counter[frozenset[tuple[int, bool]]]:
     """Ends of open walls, each as number of the wall and whether it starts there: those of like motion that lie at an
     end, counted over all ends."""
