@@ -36,16 +36,38 @@ def expected_speed(scene: Scene) -> float:
 
 
 def water_speed(scene: Scene) -> float:
-    """Largest speed [m/s] of free fall over the fluid's height from its initial speed, and of what drives it."""
+    """Largest speed [m/s] of free fall over the fluid's height from its initial speed, and of what drives it: walls,
+    structures, and its weight along a period."""
     g = math.hypot(*scene.gravity)
     points = np.concatenate([outline(body).reshape(-1, 2) for body in scene.fluid.bodies])
     height = np.ptp(points @ np.asarray(scene.gravity)) / g if g > 0.0 else 0.0
-    return max(math.sqrt(2.0 * g * height + start_speed(scene) ** 2), driven_speed(scene))
+    return max(math.sqrt(2.0 * g * height + start_speed(scene) ** 2), driven_speed(scene), _pulled(scene, points))
 
 
 def start_speed(scene: Scene) -> float:
     """Largest speed [m/s] at which the fluid starts."""
     return max(math.hypot(*body.velocity) + _field_speed(body) for body in scene.fluid.bodies)
+
+
+def _pulled(scene: Scene, water: np.ndarray) -> float:
+    """Speed [m/s] that weight along a period gives water with these corners until the end, for there it falls on and
+    on; no more than a layer of its width that sticks to walls reaches: g L²/(8 ν) between two, g L²/(2 ν) on one."""
+    fastest, nu = 0.0, scene.fluid.viscosity
+    sticky = [np.asarray(wall.polyline) for wall in scene.walls if wall.slip == "no"]
+    for axis, bounds in enumerate((scene.fluid.periodic.x, scene.fluid.periodic.y)):
+        if bounds is None or not scene.gravity[axis]:
+            continue
+        g, faces = abs(scene.gravity[axis]), (water[:, 1 - axis].min(), water[:, 1 - axis].max())
+        sides = sum(any(_stands_at(wall, 1 - axis, face, scene.fluid.dx) for wall in sticky) for face in faces)
+        held = {0: 0.0, 1: 2.0, 2: 8.0}[sides] * nu
+        ends = g * (faces[1] - faces[0]) ** 2 / held if held > 0.0 else math.inf
+        fastest = max(fastest, min(start_speed(scene) + g * scene.end_time, max(start_speed(scene), ends)))
+    return fastest
+
+
+def _stands_at(wall: np.ndarray, axis: int, face: float, near: float) -> bool:
+    """Whether a wall (k, 2) [m] is straight and lies at a `face` [m] across an axis."""
+    return not np.ptp(wall[:, axis]) and abs(float(wall[0, axis]) - face) < near
 
 
 def driven_speed(scene: Scene) -> float:

@@ -51,7 +51,7 @@ def froude(scene: Scene, n: Numbers) -> Finding | None:
     value = w.speed / math.sqrt(g * w.height)
     rise = w.speed**2 / (2.0 * g)
     reason = f"the fastest water can rise {rise:.3g} m"
-    if isinstance(scene.domain, Domain) and scene.gravity[0] == 0.0:
+    if isinstance(scene.domain, Domain) and scene.gravity[0] == 0.0 and not w.pulled:
         room = scene.domain.upper[1] - scene.domain.lower[1]
         if rise > room * (1.0 + 1e-9):
             return Finding("Froude", value, "warn", f"{reason}, the domain is {room:.3g} m high", 'domain = "auto"')
