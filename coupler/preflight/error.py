@@ -26,6 +26,9 @@ worst found; dx spacing of the fluid. The structure's part, and what its swing a
                        along gravity, else over its thickness                                     floating rafts
     a body that swings in water of particles 1.5 dx/d (wcsph), 0.5 dx/d (ctvf), d its thickness if that is less; the
                        depth where it spans the water, which then moves as it does                a sprung floor
+    a plate that swings in water of particles: the layer δ that artificial viscosity drags along, δ/L of a time and
+                       2 δ/L of a peak, L the plate's length: found 0.5 to 0.7, and a damping ratio of δ/L
+                                                                            a cantilever on a floor, α 0.01 and 0.1
     pressures over faces (coupling.loads = pressure): no bound of a body with water of particles on two sides, whose net
                        is a small difference of them: where it has moved out of the water's lattice, 1 to 6 % off that
                        of the forces with h = 2 dx, 5 to 8 % with 1.3 dx, 50 to 80 % at a depth of nine thicknesses; on
@@ -57,7 +60,7 @@ from coupler.preflight.held import lengthwise
 from coupler.preflight.numbers import Numbers
 from coupler.preflight.plate import goals_probe, goals_quantity, of_a_body, plates_body
 from coupler.preflight.resonance import RESONANCE, resonance
-from coupler.preflight.swing import RADIATES, carries_sound, late, radiates
+from coupler.preflight.swing import RADIATES, carries_sound, dragged, late, radiates
 from shared.geometry import outline
 from shared.regions import axes_of
 from shared.schema import Scene
@@ -76,6 +79,7 @@ CROWD, CROWDED = 2.0, 0.1  # from this h/dx on a lattice of particles bears hard
 SAG = 0.05  # of dx: what a lattice that bears shear takes off a level
 SENSOR = 0.09  # of a sensor's reach by (1 − depth/reach)²: what it feels too much where it reaches out of the water
 WATERLINE = 0.4  # of dx
+DRAGGED, DAMPED = 1.0, 2.0
 FACES = "pressures over faces"
 
 
@@ -158,7 +162,8 @@ def _at_rest(scene: Scene, n: Numbers, floats: bool) -> float:
         error += off_level(scene, n, probe, SAG) or UNKNOWN
     if _across(scene):
         error += 2.0 * math.hypot(*scene.gravity) * water.height / (3.0 * water.sound_speed**2)
-    error += 0.0 if steady else _sounding(scene, n)
+    if not steady:
+        error += _sounding(scene, n) + (DRAGGED if scene.goal.statistic in TIMES else DAMPED) * dragged(scene, n)
     return error + (_waterline(scene, n, probe) if floats else 0.0)
 
 

@@ -11,6 +11,7 @@ from coupler.preflight.finding import Finding, Rule
 from coupler.preflight.numbers import Numbers
 from coupler.preflight.rules_joint import (
     density_ratio,
+    drag,
     face_pressures,
     ghost_acceleration,
     helmholtz,
@@ -57,6 +58,7 @@ RULES: tuple[Rule, ...] = (
     support,
     face_pressures,
     water_holds,
+    drag,
     ghost_acceleration,
     step_ratio,
     courant_fluid,

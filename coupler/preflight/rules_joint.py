@@ -7,7 +7,7 @@ import math
 from coupler.preflight.error_lattice import MANY_NEIGHBOURS, lattice_hold
 from coupler.preflight.finding import COLUMN, STEADY, Finding, above, below, of_particles
 from coupler.preflight.numbers import Numbers
-from coupler.preflight.swing import RADIATES, sounding
+from coupler.preflight.swing import RADIATES, dragged, sounding
 from coupler.preflight.window import expected_plan, expected_window
 from coupler.window import largest_alpha
 from shared.ghost_inertia import ghost_inertia, ghosts_feel_acceleration, largest_inertia
@@ -23,6 +23,7 @@ ALPHA_REFUSE = {"serial": (2.0, 1.155, 0.709), "parallel": (0.667, 0.252, 0.078)
 LEAST_WINDOWS = 10.0
 """Iterated windows in a swing; refused below one: a peak is 1 % off at 6, a mean 4 % at a third of one (floors)."""
 SUPPORT_WARN, SUPPORT_REFUSE = 1.0, 0.5  # thickness over support: water sees water through the plate below 1
+DRAG_WARN = 0.05  # damping ratio; a peak is 8 % low
 HELD_WARN = 0.05  # cantilever_in_water is bound by 0.03
 STEP_RATIO_WARN = 5000.0  # sub-steps of the solid per fluid step; hydrostatic_plate has 170
 
@@ -150,6 +151,17 @@ def water_holds(scene: Scene, n: Numbers) -> Finding | None:
     ways = ["fluid.model = still where it comes to rest"] if still else []
     ways += ["fluid.h_over_dx = 2.0"] if scene.fluid.h_over_dx < MANY_NEIGHBOURS else []
     return Finding("water's hold", value, "warn", reason, ", ".join([*ways, "a smaller fluid.dx"]))
+
+
+def drag(scene: Scene, n: Numbers) -> Finding | None:
+    """Layer of water that artificial viscosity drags along with a plate that swings, over the plate's length."""
+    value = dragged(scene, n)
+    if not value or scene.goal is None or scene.goal.statistic in STEADY:
+        return None
+    reason = "layer that artificial viscosity drags along, over the plate: so much longer is its period, and so damped"
+    verdict = above(value, DRAG_WARN)
+    way_out = f"fluid.alpha = {scene.fluid.alpha * (0.5 * DRAG_WARN / value) ** 2:.1g}" if verdict != "ok" else ""
+    return Finding("drag", value, verdict, reason, way_out)
 
 
 def ghost_acceleration(scene: Scene, n: Numbers) -> Finding | None:

@@ -91,6 +91,16 @@ def radiates(scene: Scene, n: Numbers) -> bool:
     return sounding(scene, n) > RADIATES
 
 
+def dragged(scene: Scene, n: Numbers) -> float:
+    """Depth of the layer of water that artificial viscosity drags along with a plate that it flows round, √(2 ν/ω) with
+    ν = α h c0/8, over the plate's length; 0 of water that moves along as a column."""
+    swings = n.joint is not None and n.joint.wet_frequency is not None and n.plate.clamps
+    if not swings or not of_particles(n) or not n.water.rests or n.joint.closes:
+        return 0.0
+    viscosity = scene.fluid.alpha * n.water.h * n.water.sound_speed / 8.0
+    return math.sqrt(viscosity / (math.pi * n.joint.wet_frequency)) / n.plate.length
+
+
 def carries_sound(scene: Scene) -> bool:
     """Whether the fluid is compressible."""
     fluid = scene.fluid
