@@ -212,3 +212,16 @@ def test_a_force_at_the_tip_is_no_load_all_over(tmp_path):
     load = '{ body = "plate", face = "right", traction = [0.0, 2.0], table = { times = [0, 1], factors = [0, -4] } }'
     plate = scene_numbers(scene_of(CLAMPED, tmp_path, [*AT_ONE_END, f"solid.loads=[{load}]"])).plate
     assert plate.deflection == pytest.approx(0.8 / (3.0 * plate.stiffness))
+
+
+@pytest.mark.parametrize(
+    ("length", "place", "clamps", "error"), [(3, 0.5, 2, 0.089), (5, 0.5, 2, 0.031), (10, 0.8, 1, 0.0167)]
+)
+def test_stress_of_a_stubby_beam_is_bound_by_what_its_load_adds_to_bending(length, place, clamps, error):
+    """q/5 of a pressure q, by Airy's function, over the 3 q s²/t² of a cantilever, q L²/4 t² between two clamps."""
+    body = f"solid.bodies=[{{ name = 'beam', rectangle = [0.0, 0.0, {0.012 * length}, 0.012] }}]"
+    point = f"point = [{place * 0.012 * length}, 0.0]"
+    sets = [f"probes=[{{ name = 'mid_y', quantity = 'stress-xx', body = 'beam', {point} }}]"]
+    sets += ["solid.clamps=[{ body = 'beam', face = 'left' }]"] if clamps == 1 else []
+    scene = load_scene("udl_beam", ["solid.model=beam", "references=[]", body, *sets])
+    assert error <= of_structure(scene, scene_numbers(scene)) <= 4.0 * error

@@ -7,6 +7,9 @@ found; n particles across, t/L thickness over length, ν Poisson's ratio, dx spa
                        square of the strain it bends to, for its law is linear; 0.04 % of what happens in time, for it
                        steps a hundred times in a period
                                                          plate_step_load, oscillating_plate, udl_beam
+                       of a stress at least 1.2 times the q/5 that a load along it puts on outer fibres besides bending
+                       (Airy), 0.8 (t/L)² half-way between two clamps, t²/(15 s²) at s from a free end,
+                       t²/(5 s²) under water
     total-lagrangian   (0.08 + 0.15 ν)/n                                udl_beam at 6 … 20 across, ν 0 … 0.47
     ctvf               (0.15 + 0.15 ν)/n quadratic, 5/n² linear, 4.5/n printed gradient
     both               at least their clamps             udl_beam, hydrostatic_plate, a dam of gel as wide as high
@@ -39,7 +42,7 @@ import math
 from coupler.preflight.error_clamps import clamps_slip, clamps_width, never_moves
 from coupler.preflight.error_sudden import PEAKS, jumps, sudden_error
 from coupler.preflight.finding import STEADY
-from coupler.preflight.held import lengthwise
+from coupler.preflight.held import FACES_OF_AXIS, held_sides, lengthwise
 from coupler.preflight.numbers import Numbers
 from coupler.preflight.plate import Plate, goals_probe, goals_quantity, of_a_body, plates_body
 from coupler.preflight.shapes import FEW, excess, excess_of_inertia
@@ -53,7 +56,7 @@ from shared.sides import probe_rows
 from shared.solid_step import BEAM_STEPS, FIRST_ROOT
 
 BEAM_SHAPE, BEAM_STRETCH, BEAM_STEPPED = 0.25, 1.5, 4e-4
-BEAM_STRESS = 3.0
+BEAM_STRESS, BEAM_BESIDE = 3.0, 1.2
 BEAM_BENT = 0.4
 BENT = {1: 2.0, 2: 16.0}  # strain of the outer fibre at a clamp over thickness × deflection/L², by clamped ends
 LAGRANGIAN = (0.08, 0.15)
@@ -93,7 +96,9 @@ def of_structure(scene: Scene, n: Numbers) -> float:
         return filled + seen_late
     nu = solid.poisson_ratio
     if plate.model == "beam":
-        shape = BEAM_SHAPE * (BEAM_STRESS if goals_quantity(scene) in STRESSES else 1.0)
+        shape = BEAM_SHAPE
+        if goals_quantity(scene) in STRESSES:
+            shape = max(BEAM_STRESS * shape, BEAM_BESIDE * _beside_bending(scene, plate))
         bound = shape * overtone(scene, plate) * (plate.thickness / plate.length) ** 2
         bound += clamps_width(scene, plate) + BEAM_STRETCH * plate.stretch + BEAM_BENT * _bent(plate, what) ** 2
     elif plate.model == "ctvf" and solid.gradient != "quadratic":
@@ -107,6 +112,26 @@ def of_structure(scene: Scene, n: Numbers) -> float:
     bound *= (0.5 if what in TIMES else SHORTENED if _shortens(scene, plate) else 1.0) / min(1.0 - plate.squeeze, 1.0)
     bound += _stepped(scene, plate) if what in (*TIMES, *PEAKS) else 0.0
     return bound + filled + sudden_error(scene, plate) + seen_late
+
+
+def _beside_bending(scene: Scene, plate: Plate) -> float:
+    """Of a stress along a beam, times (L/t)²: q/5 of a load along it over 6 M/t², M = q s²/2 at s from a free end and
+    q (L²/24 − z²/2) at z from the middle between two clamps; q s²/6 under water, whose pressure grows from the free end
+    on; infinite where M is nothing."""
+    body = plates_body(scene, plate)
+    axis, _, length = lengthwise(body)
+    ends = [side for side in held_sides(scene, body) if side in FACES_OF_AXIS[axis]]
+    at_an_end = any(load.face in FACES_OF_AXIS[axis] for load in scene.solid.loads if load.body == body.name)
+    if not ends or at_an_end or plate.along or not _axial(scene, plate):
+        return 0.0
+    lower, upper = (float(corner[axis]) for corner in own_box(body))
+    place = float(turn(goals_probe(scene).point, body.rotate, backward=True)[axis])
+    if len(ends) > 1:
+        moment = abs(1.0 / 24.0 - 0.5 * ((place - 0.5 * (lower + upper)) / length) ** 2)
+    else:
+        share = 0.5 if scene.fluid is None else 1.0 / 6.0
+        moment = share * ((place - (lower if ends[0] == FACES_OF_AXIS[axis][1] else upper)) / length) ** 2
+    return 1.0 / (30.0 * moment) if moment > 0.0 else UNKNOWN
 
 
 def _dead(scene: Scene, plate: Plate) -> bool:
