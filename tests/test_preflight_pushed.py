@@ -232,10 +232,12 @@ def test_a_beam_has_no_stress_across_it(tmp_path):
     foot = (
         'solid.clamps=[{ body = "plate", face = "bottom" }]',
         "solid.loads[0].face=left",
-        "probes.p.point=[0.05, 1.0]",
+        "probes.p.point=[0.05, 0.5]",
     )
     turned = numbers(tmp_path, *AT_ONE_END, upright, *foot, "probes.p.quantity=stress-yy", "solid.model=beam")
     assert of_structure(*turned) < 0.05
+    at_its_tip = (*AT_ONE_END, upright, *foot[:2], "probes.p.point=[0.05, 1.0]", "probes.p.quantity=stress-yy")
+    assert of_structure(*numbers(tmp_path, *at_its_tip, "solid.model=beam")) == math.inf  # where none is left
 
 
 @pytest.mark.parametrize("model", ["beam", "total-lagrangian"])
