@@ -1,7 +1,8 @@
 """The ladder of model pairs for a scene's goal: what each would cost, how well it would do, and which is the smallest.
 
-For each pair the coarsest resolution is sought whose error bound (error.py) meets the goal; the smallest pair
-is the one of least expected cost on the table's machine (cost.py), so that nothing timed decides.
+For each pair the coarsest resolution is sought whose error bound (error.py) meets the goal, without particles no
+coarser than the scene's; the smallest pair is the one of least expected cost on the table's machine (cost.py), so that
+nothing timed decides.
 """
 
 from __future__ import annotations
@@ -20,7 +21,7 @@ from coupler.preflight.numbers import Numbers, scene_numbers
 from coupler.preflight.plate import goals_probe, goals_quantity, of_a_body
 from coupler.preflight.rules import findings
 from coupler.preflight.rules_joint import helmholtz
-from coupler.preflight.variations import coupled, dampings, fits, has_particles, refined, with_models
+from coupler.preflight.variations import bends_at_points, coupled, dampings, fits, has_particles, refined, with_models
 from coupler.preflight.water import measure_water
 from shared.scene_checks import check_scene
 from shared.schema import Scene
@@ -35,6 +36,8 @@ SOLIDS = ("rigid", "spring", "beam", "total-lagrangian", "ctvf")
 
 REFINEMENTS = (2.0, 1.5, 1.25, 1.0, 0.8, 2 / 3, 0.5, 0.4, 1 / 3, 0.25, 0.2, 1 / 6, 0.125, 0.1, 0.075, 0.05, 0.025)
 """Spacings tried, over the scene's own."""
+FINER = tuple(factor for factor in REFINEMENTS if 0.1 <= factor <= 1.0)
+"""The same where the spacing is that of pressures on a plate that bends."""
 
 NEAR, DEAR = 1.5, 10.0  # bound over the goal's error, and cost over its own, that make a near miss worth naming
 LONGEST = 3600.0
@@ -121,7 +124,7 @@ def _rung(scene: Scene, fluid: str | None, solid: str | None, why: str) -> Rung:
     if why:
         return Rung(fluid, solid, "cannot", why, base, sets)
     best: Rung | None = None
-    for factor in REFINEMENTS if has_particles(base) else (1.0,):
+    for factor in REFINEMENTS if has_particles(base) else FINER if bends_at_points(base) else (1.0,):
         tried, spacing = refined(base, factor)
         numbers = scene_numbers(tried)
         if factor != 1.0 and not fits(numbers):
@@ -135,7 +138,7 @@ def _rung(scene: Scene, fluid: str | None, solid: str | None, why: str) -> Rung:
             judged = [_startable(min(enough, key=lambda rung: rung.cost.core_s))]
             if judged[0].standing == "enough":
                 return judged[0]
-        best = min([*judged, best] if best else judged, key=lambda rung: rung.error)
+        best = min([best, *judged] if best else judged, key=lambda rung: rung.error)
     return best
 
 

@@ -80,6 +80,12 @@ def has_particles(scene: Scene) -> bool:
     return fluid or (scene.solid is not None and scene.solid.model in PARTICLE_MODELS)
 
 
+def bends_at_points(scene: Scene) -> bool:
+    """Whether water without particles presses at points, a spacing apart, on a structure that bends."""
+    sides = scene.fluid, scene.solid
+    return None not in sides and not has_particles(scene) and scene.solid.model not in RIGID_MODELS
+
+
 def refined(scene: Scene, factor: float) -> Varied:
     """The scene with the spacings of both sides times `factor`."""
     if factor == 1.0:
