@@ -87,11 +87,11 @@ def wall_particles(walls: Sequence[Wall], dx: float, depth: float) -> list[Parti
 
     Cell-centred along each segment, n = round(L/dx). Past a convex corner the layers run on to the corner's
     bisector, so that a rectangular tank whose sides are multiples of dx gets the global lattice. A particle
-    is kept only if no other segment is nearer than its own: layers meet without overlap in reflex corners and
-    within thin baffles, and so do those of other walls of like motion: two tanks side by side share what is between
-    them. Walls that meet end to start (`wall_chains`) have the same corners as one polyline: each has the particles of
-    its own segments. Layers of a wall that stands on another's face end at that face, at other open
-    ends they end with the polyline. `spacing` is (dx, dx): segments fit theirs each.
+    is kept only if no other segment is nearer than its own, the one before it by a quarter of dx: layers meet without
+    overlap in reflex corners and within thin baffles, and so do those of other walls of like motion: two tanks side by
+    side share what is between them. Walls that meet end to start (`wall_chains`) have the same corners as one
+    polyline: each has the particles of its own segments. Layers of a wall that stands on another's face end at that
+    face, at other open ends they end with the polyline. `spacing` is (dx, dx): segments fit theirs each.
     """
     layers = (np.arange(math.ceil(depth / dx)) + 0.5) * dx
     layers = layers[layers < depth]
@@ -151,6 +151,11 @@ def _segment_layers(chain: Chain, index: int, layers: np.ndarray, dx: float) -> 
     points = start + s[:, None] * direction + d[:, None] * right
     tie = _TIE * dx
     keep = distance_to(chain.segments, points) >= d - tie
+    if before is not None:  # a spacing that differs from dx would leave a hole along the bisector
+        others = np.delete(chain.segments, index - 1, axis=0)
+        keep = (distance_to(others, points) >= d - tie) & (
+            distance_to(chain.segments[index - 1][None], points) >= d - _OVERLAP * dx
+        )
     if before is not None:
         keep &= (points - start) @ before.across > -before.reach * dx
     if after is not None:
