@@ -6,6 +6,7 @@ contract follows from that.
 
 from __future__ import annotations
 
+from abc import ABC, abstractmethod
 from collections.abc import Mapping
 
 import numpy as np
@@ -16,7 +17,7 @@ from solid_solver.filled import body_probes, filled_bodies, largest_speed
 from solid_solver.interface import describe, kinematics_over_window
 
 
-class PointModel:
+class PointModel(ABC):
     """A structure whose points stand at `_reference` (n, 2) [m] when at rest; `_points` (3, n, 2): their present
     displacement, velocity and acceleration; `_sound`: whether all steps could be taken."""
 
@@ -33,30 +34,30 @@ class PointModel:
 
     # ---- what a model says ------------------------------------------------------------------------------------
 
+    @abstractmethod
     def _build(self) -> float:
         """Make what moves; the stable step [s]."""
-        raise NotImplementedError
 
+    @abstractmethod
     def _step(self, middles: np.ndarray, dt: float, force: np.ndarray | None) -> bool:
         """Take steps of `dt` [s] about the times `middles` under `force` (n, 2) [N/m] on the points; whether all could
         be taken."""
-        raise NotImplementedError
 
+    @abstractmethod
     def _moved(self) -> np.ndarray:
         """Displacement, velocity and acceleration (3, n, 2) of the points."""
-        raise NotImplementedError
 
     def _arrays(self) -> dict[str, np.ndarray]:
         """What the future depends on besides the time (views)."""
         return {}
 
+    @abstractmethod
     def _at_point(self) -> dict:
         """Quantities of material points, see `body_probes`."""
-        raise NotImplementedError
 
+    @abstractmethod
     def _of_body(self) -> dict:
         """Quantities of bodies, see `body_probes`."""
-        raise NotImplementedError
 
     def _stresses(self) -> dict[str, np.ndarray]:
         """Stress fields (n,) [Pa] of a frame."""
