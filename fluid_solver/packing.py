@@ -15,7 +15,7 @@ from collections.abc import Sequence
 import numpy as np
 from scipy.spatial import cKDTree
 
-from shared.geometry import distance_to, fill
+from shared.geometry import distance_to, surroundings
 from shared.kernels import Kernel, evaluate
 from shared.schema_geometry import Body
 
@@ -81,7 +81,7 @@ def _beyond_surfaces(bodies: Sequence[Body], taken: np.ndarray, cut: np.ndarray,
     `reach` [m] to the faces `cut`, and clear of the `taken` points (n, 2)."""
     position, volume = np.empty((0, 2)), np.empty(0)
     for body in bodies:
-        lattice = fill(body, dx, margin=reach)
+        lattice = surroundings(body, dx, reach)
         alone = distance_to(cut, lattice.position) < reach
         others = cKDTree(np.concatenate([taken, position]))
         alone[alone] = others.query(lattice.position[alone])[0] > _APART * dx

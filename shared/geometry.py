@@ -31,6 +31,7 @@ __all__ = [
     "outline",
     "outline_less",
     "own_box",
+    "surroundings",
     "wall_particles",
 ]
 
@@ -54,23 +55,38 @@ class Particles:
     axes: np.ndarray
 
 
-def fill(shape: Shape, dx: float, margin: float = 0.0) -> Particles:
+def fill(shape: Shape, dx: float) -> Particles:
     """Cell-centred particles in a shape at spacing `dx` [m], row by row, x fastest (in the shape's own
-    frame); with a `margin` [m], instead the points of that lattice about it, as far as that from its bounding box.
+    frame).
     """
+    lattice = _lattice(shape, dx, 0.0)
+    return _of(lattice, contains(shape, lattice.position))
+
+
+def surroundings(shape: Shape, dx: float, margin: float) -> Particles:
+    """The points of the lattice of `fill` about a shape, as far as `margin` [m] from its bounding box."""
+    lattice = _lattice(shape, dx, margin)
+    return _of(lattice, ~contains(shape, lattice.position))
+
+
+def _lattice(shape: Shape, dx: float, margin: float) -> Particles:
+    """A lattice that fits a shape's bounding box, and goes on by `margin` [m]."""
     lower, upper = own_box(shape)
     spacing, centres = [], []
     for axis in (0, 1):
         length = upper[axis] - lower[axis]
         count = max(1, math.floor(length / dx + 0.5))
         spacing.append(float(length / count))
-        around = math.ceil(margin * count / length) if margin else 0  # an empty shape has no length
+        around = math.ceil(margin * count / length) if length > 0.0 else 0
         centres.append(lower[axis] + (np.arange(-around, count + around) + 0.5) * (length / count))
     x, y = np.meshgrid(*centres)
     position = turn(np.c_[x.ravel(), y.ravel()], shape.rotate)
-    position = position[contains(shape, position) != (margin > 0.0)]
     volume = np.full(len(position), spacing[0] * spacing[1])
     return Particles(position, volume, (spacing[0], spacing[1]), axes_of(shape.rotate))
+
+
+def _of(lattice: Particles, rows: np.ndarray) -> Particles:
+    return Particles(lattice.position[rows], lattice.volume[rows], lattice.spacing, lattice.axes)
 
 
 def ghosts(shape: Shape, dx: float, depth: float, dry: Sequence[str]) -> Particles:
@@ -79,7 +95,7 @@ def ghosts(shape: Shape, dx: float, depth: float, dry: Sequence[str]) -> Particl
     """
     lattice = fill(shape, dx)
     near = distance_to(outline_less(shape, dry), lattice.position) <= depth
-    return Particles(lattice.position[near], lattice.volume[near], lattice.spacing, lattice.axes)
+    return _of(lattice, near)
 
 
 def wall_particles(walls: Sequence[Wall], dx: float, depth: float) -> list[Particles]:
