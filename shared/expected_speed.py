@@ -7,7 +7,7 @@ import math
 import numpy as np
 
 from shared.elasticity import bulk_modulus
-from shared.geometry import area, faces, outline
+from shared.geometry import area, corners_of, faces, outline
 from shared.motion_table import largest_speed
 from shared.schema import Scene
 from shared.schema_fluid import FluidBody
@@ -39,7 +39,7 @@ def water_speed(scene: Scene) -> float:
     """Largest speed [m/s] of free fall over the fluid's height from its initial speed, and of what drives it: walls,
     structures, and its weight along a period."""
     g = math.hypot(*scene.gravity)
-    points = np.concatenate([outline(body).reshape(-1, 2) for body in scene.fluid.bodies])
+    points = corners_of(scene.fluid.bodies)
     height = np.ptp(points @ np.asarray(scene.gravity)) / g if g > 0.0 else 0.0
     return max(math.sqrt(2.0 * g * height + start_speed(scene) ** 2), driven_speed(scene), _pulled(scene, points))
 
@@ -72,11 +72,11 @@ def _stands_at(wall: np.ndarray, axis: int, face: float, near: float) -> bool:
 
 def driven_speed(scene: Scene) -> float:
     """Largest speed [m/s] at which walls push the water, and structures and clamps whose motion is prescribed."""
-    water = np.concatenate([outline(body).reshape(-1, 2) for body in scene.fluid.bodies])
+    water = corners_of(scene.fluid.bodies)
     speeds = [pushing_speed(wall, water) for wall in scene.walls]
     if scene.solid is not None:
         motions = [scene.solid.motion, *(clamp.motion for clamp in scene.solid.clamps)]
-        corners = np.concatenate([outline(body).reshape(-1, 2) for body in scene.solid.bodies])
+        corners = corners_of(scene.solid.bodies)
         speeds += [largest_speed(motion, corners) for motion in motions if motion is not None]
     return max(speeds, default=0.0)
 
@@ -117,7 +117,7 @@ def _pushed(scene: Scene, body: SolidBody) -> float:
     solid = scene.solid
     if _clamped(solid, body):
         return 0.0
-    water = np.concatenate([outline(one).reshape(-1, 2) for one in scene.fluid.bodies])
+    water = corners_of(scene.fluid.bodies)
     mass = solid.density * area(body)
     push = np.sum([_force(body, load, mass) for load in solid.loads if load.body == body.name], axis=0) / mass
     extent, speeds = np.ptp(water, axis=0), np.zeros(2)

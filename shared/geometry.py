@@ -14,7 +14,19 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.spatial import cKDTree
 
-from shared.regions import area, area_below, axes_of, contains, distance_to, faces, outline, outline_less, own_box, turn
+from shared.regions import (
+    area,
+    area_below,
+    axes_of,
+    contains,
+    corners_of,
+    distance_to,
+    faces,
+    outline,
+    outline_less,
+    own_box,
+    turn,
+)
 from shared.schema_fluid import Wall
 from shared.schema_geometry import Shape
 from shared.wall_chains import Chain, chains
@@ -24,6 +36,7 @@ __all__ = [
     "area",
     "area_below",
     "contains",
+    "corners_of",
     "distance_to",
     "faces",
     "fill",

@@ -10,7 +10,7 @@ right and top edges do not, so that touching regions share no point and leave no
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from functools import lru_cache
 
 import numpy as np
@@ -126,6 +126,11 @@ class Same:
 
     def __eq__(self, other: object) -> bool:
         return isinstance(other, Same) and other.shape is self.shape
+
+
+def corners_of(shapes: Iterable[Shape]) -> np.ndarray:
+    """Ends (n, 2) [m] of the outlines' segments of all `shapes`."""
+    return np.concatenate([outline(shape).reshape(-1, 2) for shape in shapes])
 
 
 def outline_less(shape: Shape, names: Sequence[str]) -> np.ndarray:

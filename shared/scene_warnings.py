@@ -7,7 +7,7 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from shared.geometry import fill, outline
+from shared.geometry import corners_of, fill
 from shared.scene_geometry import WANTED_ACROSS, WANTED_ANISOTROPY, WANTED_RATIO, across
 from shared.scene_models import MODEL_WARNINGS
 from shared.schema import Scene
@@ -98,7 +98,7 @@ def _dissipation(scene: Scene) -> Iterator[str]:
 
 def _sound_speed(scene: Scene) -> Iterator[str]:
     if scene.fluid and isinstance(scene.fluid.sound_speed, float):
-        corners = np.concatenate([outline(body).reshape(-1, 2) for body in scene.fluid.bodies])
+        corners = corners_of(scene.fluid.bodies)
         fall = math.sqrt(2.0 * math.hypot(*scene.gravity) * np.ptp(corners[:, 1]))
         if fall > _SAFE_MACH * scene.fluid.sound_speed:
             yield (

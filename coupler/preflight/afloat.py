@@ -8,7 +8,7 @@ import numpy as np
 
 from coupler.preflight.plate import Plate
 from coupler.preflight.shapes import area
-from shared.geometry import area_below, outline
+from shared.geometry import area_below, corners_of, outline
 from shared.schema import Scene
 
 AFLOAT = 0.03  # weight of the water that a body's motion moves, over its springs' force
@@ -41,7 +41,7 @@ def to_equilibrium(scene: Scene, name: str) -> float:
     up = -np.asarray(scene.gravity) / g
     frame = np.stack([[up[1], -up[0]], up], axis=1)
     body = next(one for one in scene.solid.bodies if one.name == name)
-    water = np.concatenate([outline(one).reshape(-1, 2) for one in scene.fluid.bodies]) @ frame
+    water = corners_of(scene.fluid.bodies) @ frame
     level, sides = float(water[:, 1].max()), outline(body) @ frame
     wide, tank = _width(sides, level), float(np.ptp(water[:, 0]))
     rho, own = scene.fluid.density, [load for load in scene.solid.loads if load.body == name and load.acceleration]

@@ -61,7 +61,7 @@ from coupler.preflight.numbers import Numbers
 from coupler.preflight.plate import goals_probe, goals_quantity, of_a_body, plates_body
 from coupler.preflight.resonance import RESONANCE, resonance
 from coupler.preflight.swing import RADIATES, carries_sound, dragged, late, radiates
-from shared.geometry import outline
+from shared.geometry import corners_of
 from shared.regions import axes_of
 from shared.schema import Scene
 from shared.schema_fluid import PARTICLE_FLUIDS
@@ -135,7 +135,7 @@ def _at_points(scene: Scene, n: Numbers) -> float:
     body, model = plates_body(scene, n.plate), n.water.model
     axis, _, length = lengthwise(body)
     if model == "column":
-        along = np.concatenate([outline(one).reshape(-1, 2) for one in scene.fluid.bodies])
+        along = corners_of(scene.fluid.bodies)
         length = min(length, float(np.ptp(along @ axes_of(body.rotate)[axis])))
     points, two = max(1, round(length / n.water.dx)), int(n.plate.clamps == 2)
     times, power = (AT_POINTS[model][two], 4) if points >= ENOUGH[model] else AT_FEW[two]
@@ -185,7 +185,7 @@ def _near_surface(scene: Scene, n: Numbers, probe: Probe) -> float:
     """Of a pressure at a depth: the level of settled water is g H²/(2 c0²) lower, less the deeper; and a sensor that
     reaches out of the water feels less of its gradient there."""
     water, g = n.water, math.hypot(*scene.gravity)
-    corners = np.concatenate([outline(body).reshape(-1, 2) for body in scene.fluid.bodies])
+    corners = corners_of(scene.fluid.bodies)
     depth = float(np.asarray(probe.point) @ scene.gravity - np.min(corners @ scene.gravity)) / g if g else math.inf
     if depth <= 0.0:
         return UNKNOWN

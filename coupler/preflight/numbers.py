@@ -16,7 +16,7 @@ import numpy as np
 from coupler.preflight.held import lengthwise
 from coupler.preflight.plate import Plate, levels_before, measure_plate, plates_body
 from coupler.preflight.water import Water, measure_water
-from shared.geometry import outline
+from shared.geometry import corners_of
 from shared.regions import axes_of
 from shared.schema import Scene
 from shared.schema_geometry import Body
@@ -63,7 +63,7 @@ def scene_numbers(scene: Scene) -> Numbers:
 def _joint(scene: Scene, water: Water, plate: Plate) -> Joint:
     body = plates_body(scene, plate)
     normal = axes_of(body.rotate)[1 - lengthwise(body)[0]]
-    corners = np.concatenate([outline(one).reshape(-1, 2) for one in scene.fluid.bodies])
+    corners = corners_of(scene.fluid.bodies)
     depth = float(np.ptp(corners @ normal))
     closing = [one.name for one in scene.solid.bodies if _closes(scene, one, corners)]
     own = plate.name in closing

@@ -10,7 +10,7 @@ import numpy as np
 from coupler.preflight.shapes import area
 from shared.expected_speed import drifts, driven_speed, expected_speed, sound_speed, start_speed
 from shared.fluid_step import COURANT, fluid_step
-from shared.geometry import contains, distance_to, outline
+from shared.geometry import contains, corners_of, distance_to, outline
 from shared.kernels import kernel_named
 from shared.schema import Scene
 from shared.thin_walls import points_along
@@ -53,7 +53,7 @@ class Water:
 def measure_water(scene: Scene) -> Water:
     fluid = scene.fluid
     g = math.hypot(*scene.gravity)
-    corners = np.concatenate([outline(body).reshape(-1, 2) for body in fluid.bodies])
+    corners = corners_of(fluid.bodies)
     height = float(np.ptp(corners @ np.asarray(scene.gravity))) / g if g else float(np.ptp(corners[:, 1]))
     start, speed = start_speed(scene), expected_speed(scene)
     sound = sound_speed(scene)
