@@ -46,10 +46,8 @@ GAUGE = 0.2  # of dx: what particles that come and go put on a surface that move
 LATTICE, WAVES = 0.08, 0.2  # of a period and of a height, where a lattice bears waves
 FLOW, FRONT = 5.0, 1.4
 VISCOUS = 3.6  # of (h/wavelength)²: the kernel smooths the stresses of a shear wave
-ENOUGH, BLURRED = (
-    2.0,
-    0.3,
-)  # h/dx from which walls hold a bent profile too softly; of (h/dx − 2)² dx/width
+ENOUGH = 2.0  # h/dx from which walls hold a bent profile too softly
+BLURRED = 0.3  # of (h/dx − ENOUGH)² dx/width
 FEW, FEW_POWER = 0.12, 5.0  # with h = 1.3 dx: stresses of a neighbourhood in disorder, whatever dx is
 CLUSTERED = 0.5  # of a decay, where vortices stretch particles that nothing shifts
 FALL = {"ctvf": 0.08, "wcsph": 0.6}  # of the speed that the pressure of water at rest gives it as it is let go
