@@ -122,8 +122,7 @@ def _viscous(scene: Scene, n: Numbers, wavelength: float) -> float:
     """Of the viscous stresses of a shear wave [m]: smoothed, of few neighbours, and artificial ones beside them."""
     water, own = n.water, scene.fluid.viscosity
     few = FEW * (1.3 / scene.fluid.h_over_dx) ** FEW_POWER
-    artificial = scene.fluid.alpha * water.h * water.sound_speed / 8.0
-    return VISCOUS * (water.h / wavelength) ** 2 + few + artificial / own
+    return VISCOUS * (water.h / wavelength) ** 2 + few + water.artificial / own
 
 
 def _let_go(scene: Scene, n: Numbers) -> float:

@@ -101,8 +101,7 @@ def viscosity(scene: Scene, n: Numbers) -> Finding | None:
     one counts beside the fluid's own, or wears a jet out, and where own stresses rest on too few neighbours."""
     if not of_particles(n) or n.water.rests:
         return None
-    w, own = n.water, scene.fluid.viscosity
-    artificial = scene.fluid.alpha * w.h * w.sound_speed / 8.0
+    w, own, artificial = n.water, scene.fluid.viscosity, n.water.artificial
     speed = water_speed(scene)
     if speed == 0.0 or own == artificial == 0.0:
         return None

@@ -97,8 +97,7 @@ def dragged(scene: Scene, n: Numbers) -> float:
     swings = n.joint is not None and n.joint.wet_frequency is not None and n.plate.clamps
     if not swings or not of_particles(n) or not n.water.rests or n.joint.closes:
         return 0.0
-    viscosity = scene.fluid.alpha * n.water.h * n.water.sound_speed / 8.0
-    return math.sqrt(viscosity / (math.pi * n.joint.wet_frequency)) / n.plate.length
+    return math.sqrt(n.water.artificial / (math.pi * n.joint.wet_frequency)) / n.plate.length
 
 
 def carries_sound(scene: Scene) -> bool:

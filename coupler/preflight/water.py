@@ -38,6 +38,7 @@ class Water:
     dx: float
     h: float
     support: float
+    artificial: float  # viscosity α h c0/8 [m²/s] that alpha makes (Monaghan)
     particles: float
     step: float
     courant: float
@@ -83,6 +84,7 @@ def measure_water(scene: Scene) -> Water:
         dx=fluid.dx,
         h=h,
         support=support,
+        artificial=fluid.alpha * h * sound / 8.0,
         particles=_fluid_particles(scene, support),
         step=step,
         courant=courant,
