@@ -87,7 +87,7 @@ def fluid_particles(scene: Scene, c0: float, ghosts: Ghosts, kernel: Kernel, h: 
     for index, (body, here) in enumerate(zip(fluid.bodies, np.split(position, ends[:-1]), strict=True)):
         pressure, share = np.zeros(len(here)), np.ones(len(here))
         if fluid.initial_pressure == "hydrostatic":
-            here, pressure, share = settle(body, here, gravity, c0, fluid.density)
+            here, pressure, share = settle(body, here, gravity, c0, fluid.density, faces, fluid.dx)
         velocity, dynamic = initial_flow(body, here, fluid.density)
         pressure = pressure + dynamic
         density = fluid.density + pressure / c0**2

@@ -156,7 +156,8 @@ class Fluid(Table):
     )
     initial_pressure: Literal["hydrostatic", "zero"] = key(
         "hydrostatic",
-        about="hydrostatic: each body starts as a settled compressible column; zero: at rest density",
+        about="hydrostatic: each body starts as settled compressible columns, at no pressure where nothing covers "
+        "them; zero: at rest density",
     )
     negative_pressure: Literal["limited", "none", "free"] = key(
         "limited",
