@@ -12,7 +12,7 @@ from shared.motion_table import largest_speed
 from shared.schema import Scene
 from shared.schema_fluid import FluidBody
 from shared.schema_solid import RIGID_MODELS, Load, Solid, SolidBody
-from shared.wall_speeds import pushing_speed
+from shared.wall_speeds import lasting_faces, pushing_speed
 
 NO_SPEED = (
     'fluid.sound_speed = "auto": needs an expected speed, but the scene has no gravity, no initial velocity, nothing '
@@ -21,6 +21,7 @@ NO_SPEED = (
 )
 """What is wrong where the expected speed is 0."""
 
+_UPRIGHT = 1e-6  # sine of a slope up to which a face is upright
 MACH = 0.1  # largest expected speed over the automatic sound speed: density varies by 1 %
 
 
@@ -36,12 +37,27 @@ def expected_speed(scene: Scene) -> float:
 
 
 def water_speed(scene: Scene) -> float:
-    """Largest speed [m/s] of free fall over the fluid's height from its initial speed, and of what drives it: walls,
-    structures, and its weight along a period."""
-    g = math.hypot(*scene.gravity)
+    """Largest speed [m/s] of free fall over the fluid's height from its initial speed, on to floors below it, and of
+    what drives it: walls, structures, and its weight along a period."""
     points = corners_of(scene.fluid.bodies)
-    height = np.ptp(points @ np.asarray(scene.gravity)) / g if g > 0.0 else 0.0
-    return max(math.sqrt(2.0 * g * height + start_speed(scene) ** 2), driven_speed(scene), _pulled(scene, points))
+    height = float(np.ptp(points @ np.asarray(scene.gravity)))  # m²/s², times g
+    start = start_speed(scene)
+    fall = math.sqrt(2.0 * height + start**2)
+    farther = math.sqrt(2.0 * (height + _drop(scene, points)) + start**2)
+    fall = max(fall, min(farther, start + math.hypot(*scene.gravity) * scene.end_time))
+    return max(fall, driven_speed(scene), _pulled(scene, points))
+
+
+def _drop(scene: Scene, water: np.ndarray) -> float:
+    """How far below water with these corners the lowest floor lies, times g [m²/s²]: a face of a wall or of a body of
+    the structure that looks up."""
+    bodies = scene.solid.bodies if scene.solid else []
+    held = [*map(lasting_faces, scene.walls), *(outline(body)[:, ::-1] for body in bodies), np.empty((0, 2, 2))]
+    faces, down = np.concatenate(held), np.asarray(scene.gravity)
+    along = faces[:, 1] - faces[:, 0]
+    looks_up = np.c_[-along[:, 1], along[:, 0]] @ down < -_UPRIGHT * np.hypot(*along.T) * math.hypot(*down)
+    deepest = float(np.max(water @ down))
+    return float(np.max(faces[looks_up] @ down, initial=deepest)) - deepest
 
 
 def start_speed(scene: Scene) -> float:

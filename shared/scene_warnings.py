@@ -2,12 +2,10 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Iterator
 
-import numpy as np
-
-from shared.geometry import corners_of, fill
+from shared.expected_speed import water_speed
+from shared.geometry import fill
 from shared.scene_geometry import WANTED_ACROSS, WANTED_ANISOTROPY, WANTED_RATIO, across
 from shared.scene_models import MODEL_WARNINGS
 from shared.schema import Scene
@@ -15,7 +13,7 @@ from shared.schema_solid import PARTICLE_MODELS
 from shared.thin_walls import THINNEST, thin_walls
 from shared.wall_chains import crowds
 
-_SAFE_MACH = 0.2  # free-fall speed over sound speed above which water is visibly compressed
+_SAFE_MACH = 0.2  # expected speed over sound speed above which water is visibly compressed
 
 
 def scene_warnings(scene: Scene) -> list[str]:
@@ -98,12 +96,11 @@ def _dissipation(scene: Scene) -> Iterator[str]:
 
 def _sound_speed(scene: Scene) -> Iterator[str]:
     if scene.fluid and isinstance(scene.fluid.sound_speed, float):
-        corners = corners_of(scene.fluid.bodies)
-        fall = math.sqrt(2.0 * math.hypot(*scene.gravity) * np.ptp(corners[:, 1]))
-        if fall > _SAFE_MACH * scene.fluid.sound_speed:
+        speed = water_speed(scene)
+        if speed > _SAFE_MACH * scene.fluid.sound_speed:
             yield (
-                f"fluid.sound_speed = {scene.fluid.sound_speed:g}: water falling over its height reaches "
-                f"{fall:.3g} m/s; ten times that keeps density within 1 %"
+                f"fluid.sound_speed = {scene.fluid.sound_speed:g}: water is expected to reach {speed:.3g} m/s; ten "
+                "times that keeps density within 1 %"
             )
 
 

@@ -129,8 +129,9 @@ class Fluid(Table):
         unit="m/s",
         about=(
             "artificial sound speed; auto: 10 times the largest speed expected (free fall over the "
-            "fluid's height from its initial speed, the speed at which walls and structures push it, and what weight "
-            "along a period gives it until the end, or until what sticks to walls holds it)"
+            "fluid's height, and on to floors below it where the run lasts so long, from its initial speed, the speed "
+            "at which walls and structures push it, and what weight along a period gives it until the end, or until "
+            "what sticks to walls holds it)"
         ),
     )
     kernel: KernelName = key("wendland-c2", about="smoothing kernel")

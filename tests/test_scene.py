@@ -217,7 +217,7 @@ WARNED = {
     "fluid.dx=0.05": ["differ 5 times"],
     "walls.tank.slip=no": ["no effect with fluid.viscosity"],
     "fluid.alpha=0.0": ["without any viscosity"],
-    "fluid.sound_speed=10.0": ["falling over its height"],
+    "fluid.sound_speed=10.0": ["water is expected to reach"],
 }
 
 
