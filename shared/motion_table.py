@@ -4,7 +4,8 @@ Between the table's times a cubic, with the rates of quartics through five of it
 the table does, so that what the table holds stands still; but where a table shows its turning points, by a curvature of
 one sign over two more steps on either side, the cubic turns as smoothly. Walls push water by their acceleration, and
 rates made zero there, as of a plain monotone cubic, leave accelerations 125 % off however fine the table. Of a sine
-with 20 and 40 points a period they are now 1.8 and 0.25 % of the largest off.
+with 20 and 40 points a period they are now 1.8 and 0.25 % of the largest off. Where steps are uneven, a quartic swings
+between far points: there rates are those of parabolas through three.
 """
 
 from __future__ import annotations
@@ -15,7 +16,8 @@ from scipy.interpolate import CubicHermiteSpline
 from shared.schema_geometry import Motion
 
 _SAMPLES = 1001  # times at which a motion's speed is looked at
-_POINTS = 5  # of the table through which a rate is taken
+_POINTS, _FEWER = 5, 3  # of the table through which a rate is taken; where its steps are uneven
+_UNEVEN = 2.5  # longest over shortest step between the points from which fewer are taken
 _STEEPEST = 3.0  # rate over the lesser slope of both sides up to which a cubic rises only where its points do
 _ALIKE = 2.0  # factor within which curvatures of neighbours are those of one smooth turn
 _SLACK = 1.5  # rate over that of the parabolas up to which a turning point is taken as it comes
@@ -58,7 +60,7 @@ def _rates(times: np.ndarray, values: np.ndarray) -> np.ndarray:
     turn = _least(np.r_[slope[:1] - bend[:1], slope + bend], np.r_[slope - bend, slope[-1:] + bend[-1:]])
     monotone = _least(np.r_[slope[:1], slope], np.r_[slope, slope[-1:]])
     most = np.maximum(_STEEPEST * np.abs(monotone), _SLACK * np.abs(turn))
-    return _least(_quartics(times, values), np.sign(turn) * most)
+    return _least(_smooth(times, values), np.sign(turn) * most)
 
 
 def _least(*values: np.ndarray) -> np.ndarray:
@@ -67,11 +69,28 @@ def _least(*values: np.ndarray) -> np.ndarray:
     return np.where(np.all(sign == sign[0], axis=0), sign[0] * size.min(axis=0), 0.0)
 
 
-def _quartics(times: np.ndarray, values: np.ndarray) -> np.ndarray:
-    """Rates (n, m) at each time of the quartic through the five points around it, or of what fewer there are: a mean of
+def _smooth(times: np.ndarray, values: np.ndarray) -> np.ndarray:
+    """Rates (n, m) at each time of the quartic through the five points around it, or but for one side's last; of the
+    parabola through three where their steps are uneven."""
+    found = _through(times, values, _around(times, _FEWER))
+    for shift in (1, -1, 0):
+        around = _around(times, _POINTS, shift)
+        steps = np.diff(times[around], axis=1)
+        even = steps.max(axis=1) < _UNEVEN * steps.min(axis=1)
+        found = np.where(even[:, None], _through(times, values, around), found)
+    return found
+
+
+def _around(times: np.ndarray, most: int, shift: int = 0) -> np.ndarray:
+    """Indices of the points around each time, or around the one `shift` later: `most`, or what fewer there are."""
+    first = np.clip(np.arange(len(times)) - most // 2 + shift, 0, max(len(times) - most, 0))
+    return first[:, None] + np.arange(min(most, len(times)))
+
+
+def _through(times: np.ndarray, values: np.ndarray, around: np.ndarray) -> np.ndarray:
+    """Rates (n, m) at each time of the polynomial through the points `around` (n, k) it, itself among them: a mean of
     the slopes to the others, by Lagrange."""
     own = np.arange(len(times))[:, None]
-    around = np.clip(own - _POINTS // 2, 0, max(len(times) - _POINTS, 0)) + np.arange(min(_POINTS, len(times)))
     others = around[around != own].reshape(len(times), -1)
     away = times[others] - times[own]
     apart = away[:, None] - away[:, :, None]
