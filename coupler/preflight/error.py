@@ -5,9 +5,10 @@ worst found; dx spacing of the fluid. The structure's part, and what its swing a
 
     still              0.1 %; its level keeps the water's volume
                        (neither this nor a column bears a body that floats, this none without weight)
-    column             0.1 % of a mean, and a plate's sag over the depth, for columns do not level out; 30 % of the
-                       swing of a plate that bends, whose water flows sideways too (share of the first mode,
-                       coupler/preflight/numbers.py)
+    column             0.1 % of a mean, and a plate's sag over the depth, for columns do not level out; beside an
+                       upright plate what the levels take off its way (upright.py: 3.9 % between two waters); 30 % of
+                       the swing of a plate that bends, whose water flows sideways too (share of the first mode,
+                       numbers.py); no bound of that of an upright one, whose water gives way upward    a sprung gate
     its points         of both, n along a plate that bends: 3/n⁴ under columns on a cantilever, of a plate between two
                        clamps 6/n⁴ (still), 15/n⁴ (column); less than four links, or five columns, do not tell its
                        curvature: 1.2/n², 1.2/n⁴                           a dam of steel before 10 cm of mercury
@@ -61,6 +62,7 @@ from coupler.preflight.numbers import Numbers
 from coupler.preflight.plate import goals_probe, goals_quantity, of_a_body, plates_body
 from coupler.preflight.resonance import RESONANCE, resonance
 from coupler.preflight.swing import RADIATES, carries_sound, dragged, late, radiates
+from coupler.preflight.upright import levels_pull
 from shared.geometry import corners_of
 from shared.regions import axes_of
 from shared.schema import Scene
@@ -121,11 +123,20 @@ def _fluid(scene: Scene, n: Numbers) -> float:
         bends = n.plate is not None and n.plate.model not in RIGID_MODELS
         if not water.rests or floats or (closed and scene.fluid.column.far_end == "open"):
             return UNKNOWN
-        sag = (n.plate.deflection or 0.0) / water.height if bends else 0.0  # a column's own top sags with its foot
         if steady:
-            return STILL + sag + _at_points(scene, n)
+            return STILL + _off_columns_level(scene, n) + _at_points(scene, n)
+        if n.joint.parts:  # that water gives way upward, and not along them
+            return UNKNOWN
         return (COLUMN if bends else STILL) + _sounding(scene, n)
     return _at_rest(scene, n, floats) if water.rests else flow_error(scene, n)
+
+
+def _off_columns_level(scene: Scene, n: Numbers) -> float:
+    """Of a mean under columns: they do not level out beside an upright plate; another's tops sag with their feet."""
+    if n.joint.parts:
+        return levels_pull(scene, n.plate, n.joint.parts)
+    bends = n.plate.model not in RIGID_MODELS
+    return (n.plate.deflection or 0.0) / n.water.height if bends else 0.0
 
 
 def _at_points(scene: Scene, n: Numbers) -> float:

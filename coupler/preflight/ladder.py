@@ -194,6 +194,8 @@ def _unable(scene: Scene, n: Numbers, worst: str) -> str:
             return (
                 f"the plate closes a box of water, whose pressure comes from being squeezed; {n.water.model} has none"
             )
+        if n.water.model == "column" and n.joint.parts:
+            return "beside an upright plate water gives way upward, to its surface, and not along columns"
         if what not in STEADY:
             return f"a {what} feels the mass of the water that moves along, which {n.water.model} leaves out"
     if worst == PHASE:

@@ -15,6 +15,7 @@ import numpy as np
 
 from coupler.preflight.held import lengthwise
 from coupler.preflight.plate import Plate, levels_before, measure_plate, plates_body
+from coupler.preflight.upright import Side, moving_layer, parted, upright
 from coupler.preflight.water import Water, measure_water
 from shared.geometry import corners_of
 from shared.regions import axes_of
@@ -31,9 +32,9 @@ _SPANS = 0.9  # of the water's width: a plate this long moves the whole column
 @dataclass(frozen=True)
 class Joint:
     """What water and plate are to each other: r = ρ_f H/(ρ_s t), `depth` H [m] of the water along the plate's normal,
-    `reach` [m]: how far into it a swing is felt, `moved`: mass that swings over the plate's own, `wet_frequency` [1/s]
-    with the mass of incompressible water or, of a sprung body, of its column, `closes`: a body spans the water's whole
-    width."""
+    up to the surface beside an upright one, `reach` [m]: how far into it a swing is felt, `moved`: mass that swings
+    over the plate's own, `wet_frequency` [1/s] with the mass of incompressible water or, of a sprung body, of its
+    column, `closes`: a body spans the water's whole width, `parts`: the waters that an upright plate parts."""
 
     mass_ratio: float
     depth: float
@@ -41,6 +42,7 @@ class Joint:
     moved: float
     wet_frequency: float | None
     closes: bool
+    parts: list[Side]
 
 
 @dataclass(frozen=True)
@@ -65,11 +67,19 @@ def _joint(scene: Scene, water: Water, plate: Plate) -> Joint:
     normal = axes_of(body.rotate)[1 - lengthwise(body)[0]]
     corners = corners_of(scene.fluid.bodies)
     depth = float(np.ptp(corners @ normal))
+    sides = parted(scene, body, water)
+    if upright(scene, body, water):
+        depth = min(depth, water.height)
     closing = [one.name for one in scene.solid.bodies if _closes(scene, one, corners)]
     own = plate.name in closing
     reach = depth if own or not plate.clamps else min(depth, plate.length / math.pi)
     moved, wet_frequency = 1.0, None
-    if plate.frequency is not None and plate.clamps:  # a free body moves as a whole first
+    if plate.frequency is not None and sides and (plate.clamps or plate.model == "spring"):
+        depth = max(side.height for side in sides)
+        reach = 2.0 * depth / math.pi
+        moved += water.density * moving_layer(scene, plate, sides) / (plate.density * plate.thickness)
+        wet_frequency = plate.frequency / math.sqrt(moved)
+    elif plate.frequency is not None and plate.clamps:  # a free body moves as a whole first
         # Incompressible water: a plate that closes its column moves all of it, another a layer of L/π on a side.
         layer = reach * MODE_SHARE.get(plate.clamps, 1.0) if own else reach
         added = water.density * layer * max(plate.wet, 1)
@@ -83,7 +93,7 @@ def _joint(scene: Scene, water: Water, plate: Plate) -> Joint:
             disc = 0.25 * math.pi * plate.length**2 * min(0.5 * plate.wet, 1.0)
             moved += ROUND * water.density * disc / (plate.density * plate.thickness * plate.length)
     ratio = water.density * depth / (plate.density * plate.thinnest)
-    return Joint(ratio, depth, reach, moved, wet_frequency, bool(closing))
+    return Joint(ratio, depth, reach, moved, wet_frequency, bool(closing), sides)
 
 
 def _in_column(water: Water, plate: Plate, closing: list[str]) -> bool:

@@ -25,6 +25,7 @@ from shared.elasticity import wave_speed
 from shared.geometry import contains, outline, own_box
 from shared.regions import axes_of
 from shared.schema import Scene
+from shared.schema_fluid import FluidBody
 from shared.schema_geometry import Body
 from shared.schema_probes import Probe
 from shared.schema_solid import RIGID_MODELS
@@ -188,19 +189,31 @@ def _solid_step(scene: Scene, clamps: int) -> float:
 def levels_before(scene: Scene, body: Body) -> list[float]:
     """Of each of the body's long faces with water before half of them or more at t = 0, how far that water reaches
     against gravity [m]."""
-    dx, g = scene.fluid.dx, np.asarray(scene.gravity)
-    up = -g / np.hypot(*g) if g.any() else np.zeros(2)
+    up = upward(scene)
+    return [max(float((outline(one) @ up).max()) for one in waters) for _, waters in waters_before(scene, body)]
+
+
+def waters_before(scene: Scene, body: Body, least: float = _WET) -> list[tuple[np.ndarray, list[FluidBody]]]:
+    """The outward normal (2,) of each of the body's long faces with water before a share of it, `least`, and more at
+    t = 0, and that water."""
+    dx = scene.fluid.dx
     middle, outward = edge_samples([body], dx)
     normal = axes_of(body.rotate)[1 - lengthwise(body)[0]]
-    levels = []
+    found = []
     for sense in (-1.0, 1.0):
         points = (middle + dx * outward)[outward @ normal * sense > UPWARD]
         inside = [contains(water, points) for water in scene.fluid.bodies]
         before = np.any(inside, axis=0)
-        if before.any() and before.mean() >= _WET:
-            wetting = (water for water, one in zip(scene.fluid.bodies, inside, strict=True) if one.any())
-            levels.append(max(float((outline(water).reshape(-1, 2) @ up).max()) for water in wetting))
-    return levels
+        if before.any() and before.mean() >= least:
+            waters = [water for water, one in zip(scene.fluid.bodies, inside, strict=True) if one.any()]
+            found.append((sense * normal, waters))
+    return found
+
+
+def upward(scene: Scene) -> np.ndarray:
+    """Direction (2,) against gravity; none without."""
+    g = np.asarray(scene.gravity)
+    return -g / np.hypot(*g) if g.any() else np.zeros(2)
 
 
 def _load(

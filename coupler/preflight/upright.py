@@ -1,0 +1,100 @@
+"""Water beside an upright plate that parts it from something else, from its floor to above its surface.
+
+It gives way upward, to the surface, and not along the tank. With the plate's shape f(z), z from the floor of water of
+height H and length T, k_n = (2n − 1) π/2H, what moves along is, over ρ ∫f² of the plate, a layer
+
+    Σ 2 I_n²/(H k_n tanh k_n T) / ∫f²,    I_n = ∫ f cos k_n z dz
+
+(potential flow, no waves: ω² ≫ g/H), 0.54 H beside a wall that moves as one, in a long tank. Sound makes no waves in it
+below a frequency of c/4H, and it is felt as far as 1/k_1.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+
+from coupler.preflight.held import FACES_OF_AXIS, held_sides, lengthwise
+from coupler.preflight.plate import STATIC_FACTOR, Plate, plates_body, upward, waters_before
+from coupler.preflight.water import UPWARD, Water
+from shared.geometry import corners_of
+from shared.regions import axes_of
+from shared.schema import Scene
+from shared.schema_geometry import Body
+
+SWEPT = {1: 0.4, 2: 0.55}  # area that a plate sweeps over its deflection and length, by clamped ends
+_MODES, _POINTS = 40, 400
+
+
+@dataclass(frozen=True)
+class Side:
+    """Water on one side of the plate: its `height` over its floor, `length` away from the plate, and how high its floor
+    stands over the plate's lower end [m]."""
+
+    height: float
+    length: float
+    floor: float
+
+
+def upright(scene: Scene, body: Body, water: Water) -> bool:
+    """Whether a body stands upright in water that has a surface."""
+    across = abs(float(axes_of(body.rotate)[1 - lengthwise(body)[0]] @ upward(scene)))
+    return any(scene.gravity) and across < UPWARD and (water.waves or (water.rests and not water.boxed))
+
+
+def parted(scene: Scene, body: Body, water: Water) -> list[Side]:
+    """The waters that an upright body parts; none where some flows over or under it."""
+    if not upright(scene, body, water):
+        return []
+    up, slack, found = upward(scene), scene.fluid.dx, []
+    own = corners_of([body])
+    for normal, waters in waters_before(scene, body, 0.0):
+        corners = corners_of(waters)
+        low, high = float((corners @ up).min()), float((corners @ up).max())
+        if (own @ up).max() < high - slack or (own @ up).min() > low + slack:
+            return []
+        length = float((corners @ normal).max() - (own @ normal).max())
+        found.append(Side(high - low, max(length, scene.fluid.dx), low - float((own @ up).min())))
+    return found
+
+
+def moving_layer(scene: Scene, plate: Plate, sides: list[Side]) -> float:
+    """Thickness [m] of the water that moves along with the plate, over all of it."""
+    z = (np.arange(_POINTS) + 0.5) / _POINTS
+    body, share = plates_body(scene, plate), 0.0
+    squares = float(np.mean(_shape(scene, plate, body, z) ** 2)) * plate.length
+    for side in sides:
+        k = (np.arange(_MODES) + 0.5) * math.pi / side.height
+        f = _shape(scene, plate, body, np.clip((side.floor + z * side.height) / plate.length, 0.0, 1.0))
+        moved = np.cos(np.outer(k, z * side.height)) @ f * side.height / _POINTS
+        share += float(np.sum(2.0 * moved**2 / (side.height * k * np.tanh(k * side.length))))
+    return share / squares
+
+
+def _shape(scene: Scene, plate: Plate, body: Body, share: np.ndarray) -> np.ndarray:
+    """How far the plate moves at shares of its length from its lower end on: as a body, or as under a uniform load."""
+    if not plate.clamps:
+        return np.ones_like(share)
+    if plate.clamps == 2:
+        return 16.0 * (share * (1.0 - share)) ** 2
+    axis = lengthwise(body)[0]
+    rises = float(axes_of(body.rotate)[axis] @ upward(scene)) > 0.0
+    x = share if FACES_OF_AXIS[axis][0 if rises else 1] in held_sides(scene, body) else 1.0 - share
+    return x**2 * (6.0 - 4.0 * x + x**2) / 3.0
+
+
+def levels_pull(scene: Scene, plate: Plate, sides: list[Side]) -> float:
+    """What the levels beside the plate, which fall as it gives way and rise where it goes, take off its way, over that:
+    their stiffness over the plate's."""
+    weight = scene.fluid.density * math.hypot(*scene.gravity)
+    if plate.model == "spring":
+        body = plates_body(scene, plate)
+        normal = axes_of(body.rotate)[1 - lengthwise(body)[0]]
+        held = float(normal**2 @ np.asarray(scene.solid.spring.stiffness[:2]))
+        return weight * sum(side.height**2 / side.length for side in sides) / held if held > 0.0 else math.inf
+    if not plate.clamps:
+        return 0.0
+    held = STATIC_FACTOR[plate.clamps] * plate.stiffness / (SWEPT[plate.clamps] * plate.length**2)
+    return weight * sum(side.height**3 / side.length for side in sides) / held
