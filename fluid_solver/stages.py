@@ -6,12 +6,14 @@ either sweep. Roots pass one by one through a unit that does nothing else, eight
 four fifths of the sweep of rates and half of that of forces, while additions and products, of which the peak is made,
 fill a third of their slots.
 
-Tried without gain on two machines, of 57 and of 65 GFLOP/s multiply-add per core: three or four columns per support
+Tried without gain on three machines, of 57, 65 and 66 GFLOP/s multiply-add per core: three or four columns per support
 (fewer candidates in shorter runs); rows half as high and columns half as wide (41 candidates in place of 54, but the
 copying takes 40 ns a particle in place of 10, for the cells are so many); sorting keys on two threads, gathering field
-by field, 512-bit registers; roots by way of float32, whose conversions take as long as they save, or guessed from the
-bits with Newton's, Householder's or Goldschmidt's steps: a root alone takes a third of the time, but the sweep does
-not, for its chain of products is too long for the scheduler to overlap. What a division was, in artificial viscosity,
+by field, 512-bit registers, also with loops that the compiler does not interleave; roots by way of float32 (in 512-bit
+registers they take a quarter off the rates of wcsph and nothing off ctvf, for seven digits in place of sixteen; with a
+Newton step that brings the digits back they gain nothing), or guessed from the bits with Newton's, Householder's or
+Goldschmidt's steps: a root alone takes a third of the time, but the sweep does not, for its chain of products is too
+long for the scheduler to overlap. What a division was, in artificial viscosity,
 is such a guess (terms.inverse): there the chain is short. Not tried, for order in time would be lost: rates and forces
 in one sweep.
 """
