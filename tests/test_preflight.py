@@ -62,6 +62,8 @@ TRIPPED = (
     ("window_number", "hydrostatic_plate", ["coupling.window=1e-2", "coupling.scheme=serial-explicit"],
      "window α", "refuse"),
     ("euler", "dam_break_plate", ["solid.youngs_modulus=1e5"], "Euler", "warn"),
+    ("pressed", "udl_beam", ['solid.loads=[{ body="beam", face="right", traction=[1.1e6, 0.0] }]',
+                             'solid.clamps=[{ body="beam", face="left" }]'], "strain", "warn"),
     ("across", "udl_beam", ["solid.dx=4e-3"], "particles across", "warn"),
     ("support", "dam_break_plate", ["fluid.dx=5e-3"], "thickness/support", "warn"),
     ("support", "dam_break_plate", ["fluid.dx=1e-2"], "thickness/support", "refuse"),

@@ -3,9 +3,9 @@
 Each is measured on cases with a known answer (cases/results/structures.md), with a margin of 1.2 to 2.5 over the worst
 found; n particles across, t/L thickness over length, ν Poisson's ratio, dx spacing.
 
-    beam               0.25 (t/L)², of a stress three times as much, + its clamps + 1.5 × stretch along its axis + 0.4 ×
-                       square of the strain it bends to, for its law is linear; 0.04 % of what happens in time, for it
-                       steps a hundred times in a period
+    beam               0.25 (t/L)², of a stress three times as much, + its clamps + 0.4 × square of the strain it
+                       bends to, for its law is linear; 0.04 % of what happens in time, for it steps a hundred times
+                       in a period
                                                          plate_step_load, oscillating_plate, udl_beam
                        of a stress at least 1.2 times the q/5 that a load along it puts on outer fibres besides bending
                        (Airy), 0.8 (t/L)² half-way between two clamps, t²/(15 s²) at s from a free end,
@@ -19,7 +19,7 @@ found; n particles across, t/L thickness over length, ν Poisson's ratio, dx spa
     all                + what particles hold of a body's area too much or too little (disc: 2 % at 10 across), or of
                        a spun one's inertia; what a lattice that does not fit the limbs of a frame makes of their
                        bending (a tee's stem of 3 in place of 4: 115 %); a peak between two rows of probes
-    clamps, peaks of what comes at once                  error_clamps.py, error_sudden.py
+    clamps, peaks of what comes at once, strain along    error_clamps.py, error_sudden.py, pressed.py
 
 A force that presses a cantilever by a share s of Euler's load makes all of this count 1/(1 − s) times; past 1 it
 buckles, and what small differences decide has no bound.
@@ -45,6 +45,7 @@ from coupler.preflight.finding import STEADY
 from coupler.preflight.held import FACES_OF_AXIS, held_sides, lengthwise
 from coupler.preflight.numbers import Numbers
 from coupler.preflight.plate import Plate, goals_probe, goals_quantity, of_a_body, plates_body
+from coupler.preflight.pressed import law_error
 from coupler.preflight.shapes import FEW, excess, excess_of_inertia
 from coupler.preflight.swing import swing
 from shared.limbs import bearing, limbs
@@ -55,7 +56,7 @@ from shared.schema_solid import RIGID_MODELS
 from shared.sides import probe_rows
 from shared.solid_step import BEAM_STEPS, FIRST_ROOT
 
-BEAM_SHAPE, BEAM_STRETCH, BEAM_STEPPED = 0.25, 1.5, 4e-4
+BEAM_SHAPE, BEAM_STEPPED = 0.25, 4e-4
 BEAM_STRESS, BEAM_BESIDE = 3.0, 1.2
 BEAM_BENT = 0.4
 BENT = {1: 2.0, 2: 16.0}  # strain of the outer fibre at a clamp over thickness × deflection/L², by clamped ends
@@ -100,7 +101,7 @@ def of_structure(scene: Scene, n: Numbers) -> float:
         if goals_quantity(scene) in STRESSES:
             shape = max(BEAM_STRESS * shape, BEAM_BESIDE * _beside_bending(scene, plate))
         bound = shape * overtone(scene, plate) * (plate.thickness / plate.length) ** 2
-        bound += clamps_width(scene, plate) + BEAM_STRETCH * plate.stretch + BEAM_BENT * _bent(plate, what) ** 2
+        bound += clamps_width(scene, plate) + BEAM_BENT * _bent(plate, what) ** 2
     elif plate.model == "ctvf" and solid.gradient != "quadratic":
         bound = LINEAR / plate.across**2 if solid.gradient == "linear" else PRINTED / plate.across
     else:
@@ -110,8 +111,15 @@ def of_structure(scene: Scene, n: Numbers) -> float:
         bound += abs(bearing(plates_body(scene, plate), solid.dx))
         bound += ASIDE / plate.across if goals_quantity(scene) in STRESSES and not _axial(scene, plate) else 0.0
     bound *= (0.5 if what in TIMES else SHORTENED if _shortens(scene, plate) else 1.0) / min(1.0 - plate.squeeze, 1.0)
+    bound += _of_law(scene, plate)
     bound += _stepped(scene, plate) if what in (*TIMES, *PEAKS) else 0.0
     return bound + filled + sudden_error(scene, plate) + seen_late
+
+
+def _of_law(scene: Scene, plate: Plate) -> float:
+    """What the law of a model makes of a strain along a body; of a stress, the area that it acts on."""
+    strain = (2.0 if scene.goal.statistic in PEAKS else 1.0) * plate.strain
+    return abs(strain) if goals_quantity(scene) in STRESSES else law_error(plate.model, strain)
 
 
 def _beside_bending(scene: Scene, plate: Plate) -> float:
@@ -208,6 +216,10 @@ def not_bounded(scene: Scene, n: Numbers) -> str:
         return "its point is held by a clamp: of a displacement that is nothing there is no relative error"
     if n.plate.squeeze >= 1.0:
         return f"pressed by {n.plate.squeeze:.3g} of Euler's load it buckles, and small differences decide how far"
+    if law_error(n.plate.model, n.plate.strain) == math.inf:
+        return (
+            f"pressed by {-n.plate.strain:.2g} of its modulus it may give way: St. Venant-Kirchhoff's law is soft there"
+        )
     if n.plate.model == "beam" and goals_quantity(scene) in ("stress-xx", "stress-yy") and not _axial(scene, n.plate):
         return "a beam has no stress across it; total-lagrangian has"
     if jumps(scene, n.plate):

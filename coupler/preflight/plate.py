@@ -19,6 +19,7 @@ from coupler.preflight.held import (
     squeezed,
     swing_frequency,
 )
+from coupler.preflight.pressed import strain_along
 from coupler.preflight.shapes import area
 from coupler.preflight.water import UPWARD, Water, edge_samples
 from shared.elasticity import wave_speed
@@ -47,9 +48,10 @@ _WET = 0.5  # of a face's samples before which water stands, from which it count
 class Plate:
     """The body that the goal asks about, or else the thinnest of the solid. `frequency` [1/s]: of a slender body, or of
     a rigid one on its springs; `deflection` [m]: of a slender body under the scene's loads; None where there is no such
-    thing. `stretch`: strain along its length under them; `along`: they push it along its length alone; `squeeze`: what
-    presses it along its length over Euler's load; `wet`: number of its long faces with water before them at
-    t = 0; `thinnest` [m]: thickness of the thinnest body, the first to fail where an exchange or a spacing does."""
+    thing. `strain`: under them along the way from the face that holds it, pressed below 0; `along`: they push it along
+    its length alone; `squeeze`: what presses it along its length over Euler's load; `wet`: number of its long faces
+    with water before them at t = 0; `thinnest` [m]: thickness of the thinnest body, the first to fail where an exchange
+    or a spacing does."""
 
     name: str
     model: str
@@ -62,7 +64,7 @@ class Plate:
     stiffness: float
     frequency: float | None
     deflection: float | None
-    stretch: float
+    strain: float
     along: bool
     squeeze: float
     wet: int
@@ -107,7 +109,7 @@ def measure_plate(scene: Scene, water: Water | None) -> Plate:
     axis, (thickness, length) = lengthwise(body)[0], slender(scene, body)
     ends = held_ends(scene, body)
     elastic = solid.youngs_modulus is not None and solid.model not in RIGID_MODELS
-    nu, modulus, stiffness = solid.poisson_ratio, solid.youngs_modulus or math.inf, bending_stiffness(scene, body)
+    stiffness = bending_stiffness(scene, body)
     frequency = deflection = None
     levels = levels_before(scene, body) if water is not None else []
     squeeze = squeezed(scene, body, len(levels) == 2) if elastic else 0.0
@@ -117,10 +119,10 @@ def measure_plate(scene: Scene, water: Water | None) -> Plate:
     if solid.model == "spring":
         frequency, damping = _sprung(scene, body)
     axes = axes_of(body.rotate)
-    stretch = _pull(scene, body, axis, axes[axis]) * (1.0 - nu**2) / modulus if elastic else 0.0
+    strain = strain_along(scene, body, water, len(levels))
     along = elastic and pushed_along(scene, body, axis)
     if along and ends:
-        deflection = stretch * length
+        deflection = abs(strain) * length
     elif elastic and ends:
         uniform, tip = _load(scene, body, axes[1 - axis], water, levels)
         bending = uniform * length / STATIC_FACTOR[ends] + (tip / TIP_FACTOR if ends == 1 else 0.0)
@@ -137,7 +139,7 @@ def measure_plate(scene: Scene, water: Water | None) -> Plate:
         stiffness=stiffness,
         frequency=frequency,
         deflection=deflection,
-        stretch=stretch,
+        strain=strain,
         along=along,
         squeeze=squeeze,
         wet=len(levels),
@@ -239,14 +241,3 @@ def _load(
     else:
         pressure = water.density * (g * water.height if water.rests else water.speed**2)
     return abs(load) + pressure, abs(tip)
-
-
-def _pull(scene: Scene, body: Body, axis: int, along: np.ndarray) -> float:
-    """Stress [Pa] along the body's length at its clamped end, by end loads and weight; an estimate."""
-    solid = scene.solid
-    length = float(np.subtract(*own_box(body)[::-1])[axis])
-    stress = float(np.dot(scene.gravity, along)) * solid.density * length if solid.gravity else 0.0
-    for one in solid.loads:
-        if one.body == body.name and one.face in FACES_OF_AXIS[axis]:
-            stress += float(np.dot(one.traction, along)) * largest_factor(one)
-    return abs(stress)

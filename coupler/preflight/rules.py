@@ -28,6 +28,7 @@ from coupler.preflight.rules_plate import (
     euler,
     periods_seen,
     poisson,
+    pressed,
     printed_gradient,
     slenderness,
 )
@@ -51,6 +52,7 @@ RULES: tuple[Rule, ...] = (
     slenderness,
     cauchy,
     euler,
+    pressed,
     density_ratio,
     mass_ratio,
     window_number,

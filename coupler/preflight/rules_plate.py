@@ -2,10 +2,13 @@
 
 from __future__ import annotations
 
+import math
+
 from coupler.preflight.error_solid import LEAST_PERIODS, PERIODS, not_bounded, periods
 from coupler.preflight.finding import Finding, above, below
 from coupler.preflight.numbers import Numbers
 from coupler.preflight.plate import of_a_body
+from coupler.preflight.pressed import AT_ONCE, MOST
 from shared.schema import Scene
 from shared.schema_solid import PARTICLE_MODELS, RIGID_MODELS
 from shared.solid_step import LARGEST_UPDATED_COURANT, LATTICE_LIMIT, LATTICE_SHARE, UPDATED_COURANT
@@ -15,6 +18,7 @@ CAUCHY_WARN, CAUCHY_REFUSE = 30.0, 1000.0  # dam_break_plate has 2.5, dam_break_
 ACROSS_WARN, ACROSS_REFUSE = 4.0, 3.0
 POISSON_WARN = 0.49
 EULER_SAID, EULER_WARN = 0.5, 0.9  # of Euler's load
+STRAIN_SAID, STRAIN_WARN = 0.05, 0.1
 
 
 def slenderness(scene: Scene, n: Numbers) -> Finding | None:
@@ -48,6 +52,21 @@ def euler(scene: Scene, n: Numbers) -> Finding | None:
     verdict = above(value, EULER_WARN)
     reason = "it buckles" if value >= 1.0 else f"errors of stiffness count {1.0 / (1.0 - value):.3g} times in bending"
     return Finding("Euler", value, verdict, reason, "" if verdict == "ok" else "less load along it, or a stiffer plate")
+
+
+def pressed(scene: Scene, n: Numbers) -> Finding | None:
+    """What presses a body towards its clamp over its modulus, or pulls it; nothing to say of less than a twentieth."""
+    if n.plate is None or abs(n.plate.strain) <= STRAIN_SAID:
+        return None
+    value = abs(n.plate.strain)
+    pushed = "pressed" if n.plate.strain < 0.0 else "pulled"
+    gives = n.plate.model == "total-lagrangian" and n.plate.strain < 0.0
+    verdict = above(value, STRAIN_WARN, MOST if gives else math.inf)
+    reason = f"{pushed} by {value:.2g} of its modulus along the way to its clamp, where laws of models part"
+    if gives and value > STRAIN_WARN:
+        reason += f"; total-lagrangian's gives way at {MOST:.2g}, at {AT_ONCE:.2g} of what comes at once"
+    way_out = "" if verdict == "ok" else f"less load, or a stiffer body{'; or solid.model = ctvf' if gives else ''}"
+    return Finding("strain", value, verdict, reason, way_out)
 
 
 def across(scene: Scene, n: Numbers) -> Finding | None:
