@@ -32,7 +32,7 @@ from fluid_solver.fields import (
 from fluid_solver.forces import make_forces
 from fluid_solver.initial import fluid_particles, lay_ghosts, sound_speed
 from fluid_solver.integrate import advance_and_drift, keep_volume, kick, kick_and_drift, largest_of
-from fluid_solver.motion import GhostMotion, place_ghosts
+from fluid_solver.motion import GhostMotion, keep_room, place_ghosts
 from fluid_solver.observe import Observer
 from fluid_solver.parameters import Parameters, courant_of, parameters
 from fluid_solver.period import period_of, wrapped
@@ -134,10 +134,10 @@ class ParticleFluid:
         return self._loads()
 
     def _enclosed_volume(self) -> float:
-        """Volume [m²] of fluid without a free surface between walls that stand still; 0 for any other."""
+        """Volume [m²] of fluid without a free surface between walls that leave it the same; 0 for any other."""
         store = self.store
         if (
-            not self._motion.still(None)
+            not keep_room(self.scene.walls)
             or self._coupled
             or lowest_filling(store.S, store.start, store.grid, self.c) < FILLED
         ):

@@ -24,6 +24,7 @@ from shared.ghost_inertia import ghosts_feel_acceleration
 from shared.jit import inline_njit, njit, parallel_njit
 from shared.motion_table import MotionTable
 from shared.schema import Scene
+from shared.schema_fluid import Wall
 from shared.schema_geometry import Motion
 from shared.wall_chains import chains
 
@@ -114,6 +115,11 @@ class WallMotion:
         """A bound of the ghosts' speed [m/s] at `time` [s]."""
         u, v, spin = self._table.at(time)[1]
         return math.hypot(u, v) + abs(spin) * self._reach
+
+
+def keep_room(walls: list[Wall]) -> bool:
+    """Whether the walls leave as much room between them as they move: all move as one, or who moves is closed."""
+    return all(wall.motion == walls[0].motion for wall in walls) or all(w.closed for w in walls if w.motion)
 
 
 def at_feet(ghosts: Ghosts) -> csr_array:
