@@ -8,9 +8,11 @@ import pytest
 
 from coupler.preflight.error import error_bound, error_parts
 from coupler.preflight.error_lattice import HELD
+from coupler.preflight.error_solid import swing_in_a_mean
 from coupler.preflight.ladder import ladder
 from coupler.preflight.numbers import scene_numbers
 from coupler.preflight.rules import findings
+from coupler.preflight.swing import swing
 from coupler.preflight.window import expected_plan
 from coupler.window import make_plan, mass_ratio
 from fluid_solver.models import make_model as make_fluid
@@ -132,6 +134,25 @@ def test_a_body_afloat_is_given_water_whose_level_moves(tmp_path):
     assert "column + spring" not in found, "columns need rectangles"
     assert 0.02 < found["wcsph + spring"] < 0.1
     assert bounds(scene_of(RAFT.replace("HELD", "1e6"), tmp_path))["still + spring"] < 0.01
+
+
+def test_a_body_swings_along_the_axis_that_the_goal_asks_about(tmp_path):
+    """Found: a mean along the soft spring 26 % off, whose swing was that of the stiff one, six times as fast."""
+    sets = ["solid.spring.stiffness=[500.0, 2e4, 100.0]", "solid.loads=[{ body = 'raft', acceleration = [0.3, 0.0] }]"]
+    scene = scene_of(BLOCK.replace("LOADS", "force"), tmp_path, [*sets, "probes.heave.quantity=displacement-x"])
+    first = swing(scene, scene_numbers(scene))
+    assert first.omega == pytest.approx(math.sqrt(500.0 / (1500.0 * 0.12 * 0.05 * first.moved)))
+    assert first.damping == 0.0
+
+
+def test_buoyancy_holds_a_raft_that_no_spring_does(tmp_path):
+    """Between close walls: 0.536 s found, 0.533 s by potential flow; its heave had no swing that a mean could feel."""
+    close = RAFT.replace("[0.0, 0.0, 0.6, 0.2]", "[0.15, 0.0, 0.45, 0.2]").replace("HELD", "0.0")
+    close = close.replace("[0.25, 0.18, 0.35, 0.24]", "[0.2, 0.15, 0.4, 0.25]")
+    scene = scene_of(close, tmp_path, ["solid.density=350.0"])
+    first = swing(scene, scene_numbers(scene))
+    assert 2.0 * math.pi / first.omega == pytest.approx(0.536, rel=0.2)
+    assert swing_in_a_mean(scene, scene_numbers(scene)) > 0.0
 
 
 def test_a_sprung_body_under_water_swings_with_the_water_round_it(tmp_path):

@@ -321,9 +321,10 @@ def test_a_pressure_above_the_water_has_no_bound(tmp_path):
 
 def test_the_way_of_a_raft_is_that_of_archimedes(tmp_path):
     """From 8 to 6 cm of draught, while the level of a tank three tenths of which it covers falls by 6 mm."""
-    assert to_equilibrium(scene_of(RAFT, tmp_path), "raft") == pytest.approx(0.014)
+    raft = scene_of(RAFT, tmp_path)
+    assert to_equilibrium(raft, raft.solid.bodies[0]) == pytest.approx(0.014)
     sprung = scene_of(RAFT, tmp_path, [f"solid.spring.stiffness=[0.0, {1000 * 9.81 * 0.3 / 0.7}, 0.0]"])
-    assert to_equilibrium(sprung, "raft") == pytest.approx(0.007)
+    assert to_equilibrium(sprung, sprung.solid.bodies[0]) == pytest.approx(0.007)
 
 
 def test_what_falls_on_something_is_no_free_fall(tmp_path):

@@ -6,23 +6,24 @@ import math
 
 import numpy as np
 
-from coupler.preflight.plate import Plate
+from coupler.preflight.held import lengthwise
 from coupler.preflight.shapes import area
 from shared.geometry import area_below, corners_of, outline
 from shared.schema import Scene
+from shared.schema_geometry import Body
 
 AFLOAT = 0.03  # weight of the water that a body's motion moves, over its springs' force
 _ROUNDING = 1e-6  # of a body's height
 
 
-def afloat(scene: Scene, plate: Plate) -> bool:
+def afloat(scene: Scene, body: Body) -> bool:
     """Whether a body rises and sinks with the water's level: that stands at its sides, and its springs along gravity do
     not hold it. A floor, or a body that is under water all over, does not float."""
     g = math.hypot(*scene.gravity)
-    if plate.model != "spring" or g == 0.0 or not _pierces(scene):
+    if scene.solid.model != "spring" or g == 0.0 or not _pierces(scene):
         return False
     along = sum(k * (part / g) ** 2 for k, part in zip(scene.solid.spring.stiffness, scene.gravity, strict=False))
-    return along * AFLOAT < scene.fluid.density * g * plate.length
+    return along * AFLOAT < scene.fluid.density * g * lengthwise(body)[2]
 
 
 def _pierces(scene: Scene) -> bool:
@@ -34,23 +35,41 @@ def _pierces(scene: Scene) -> bool:
     return any(h.min() + s < top < h.max() - s for h, s in zip(heights, slack, strict=True) for top in tops)
 
 
-def to_equilibrium(scene: Scene, name: str) -> float:
-    """Way [m] along gravity of the body `name` from where it starts to where buoyancy, weight, loads of its mass and
-    springs balance, by the width of its waterline at the start; the water's level moves along."""
+def to_equilibrium(scene: Scene, body: Body) -> float:
+    """Way [m] along gravity of a body from where it starts to where buoyancy, weight, loads of its mass and springs
+    balance, by the width of its waterline at the start; the water's level moves along."""
     g = math.hypot(*scene.gravity)
     up = -np.asarray(scene.gravity) / g
-    frame = np.stack([[up[1], -up[0]], up], axis=1)
-    body = next(one for one in scene.solid.bodies if one.name == name)
-    water = corners_of(scene.fluid.bodies) @ frame
-    level, sides = float(water[:, 1].max()), outline(body) @ frame
-    wide, tank = _width(sides, level), float(np.ptp(water[:, 0]))
-    rho, own = scene.fluid.density, [load for load in scene.solid.loads if load.body == name and load.acceleration]
+    sides, level = outline(body) @ _frame(up), _level(scene, up)
+    rho, own = scene.fluid.density, [load for load in scene.solid.loads if load.body == body.name and load.acceleration]
     push = float(sum(np.dot(load.acceleration, up) for load in own))
     weight = scene.solid.density * area(body) * ((g if scene.solid.gravity else 0.0) - push)
     held = sum(k * part**2 for k, part in zip(scene.solid.spring.stiffness, up, strict=False))
-    stiffness = rho * g * wide / max(1.0 - wide / tank, 1e-9) + held
+    stiffness = buoyant_stiffness(scene, body) + held
     lifted = rho * g * area_below(sides[:, 0], sides[:, 1], level)
     return float(abs(lifted - weight) / stiffness) if stiffness > 0.0 else math.inf
+
+
+def buoyant_stiffness(scene: Scene, body: Body) -> float:
+    """Force [N/m per metre of depth] that lifts a body per metre that it sinks: ρ g by the width of its waterline, and
+    by as much more as the water's level rises; 0 of one that no surface cuts."""
+    g = math.hypot(*scene.gravity)
+    if g == 0.0:
+        return 0.0
+    up = -np.asarray(scene.gravity) / g
+    wide = _width(outline(body) @ _frame(up), _level(scene, up))
+    tank = float(np.ptp(corners_of(scene.fluid.bodies) @ _frame(up)[:, 0]))
+    return scene.fluid.density * g * wide / max(1.0 - wide / tank, 1e-9)
+
+
+def _frame(up: np.ndarray) -> np.ndarray:
+    """Directions (2, 2) across gravity and against it, as columns."""
+    return np.stack([[up[1], -up[0]], up], axis=1)
+
+
+def _level(scene: Scene, up: np.ndarray) -> float:
+    """How far the water reaches against gravity [m]."""
+    return float((corners_of(scene.fluid.bodies) @ up).max())
 
 
 def _width(sides: np.ndarray, level: float) -> float:

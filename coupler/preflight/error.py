@@ -114,7 +114,7 @@ def error_bound(scene: Scene, n: Numbers) -> float | None:
 def _fluid(scene: Scene, n: Numbers) -> float:
     water, steady = n.water, scene.goal.statistic in STEADY
     closed = water.boxed and n.joint is not None and n.joint.closes
-    floats = n.plate is not None and afloat(scene, n.plate)
+    floats = n.plate is not None and afloat(scene, plates_body(scene, n.plate))
     if water.model == "still":
         weighs = any(scene.gravity)
         known = water.rests and steady and weighs and not closed and not floats
@@ -182,7 +182,7 @@ def _over_faces(scene: Scene, n: Numbers) -> float:
     """What pressures that a structure integrates over its faces add to what it does; 0 where it takes forces."""
     if n.joint is None or scene.coupling.loads != "pressure" or not of_a_body(scene):
         return 0.0
-    round_it = n.plate.wet >= 2 or afloat(scene, n.plate)
+    round_it = n.plate.wet >= 2 or afloat(scene, plates_body(scene, n.plate))
     return UNKNOWN if round_it and of_particles(n) else 0.0
 
 
@@ -211,7 +211,7 @@ def _waterline(scene: Scene, n: Numbers, probe: Probe | None) -> float:
     of its thickness."""
     upright = dict(zip(("displacement-x", "displacement-y"), scene.gravity, strict=True))
     if probe is not None and upright.get(probe.quantity):
-        way = to_equilibrium(scene, n.plate.name)
+        way = to_equilibrium(scene, plates_body(scene, n.plate))
         return WATERLINE * n.water.dx / way if 0.0 < way < math.inf else UNKNOWN
     return WATERLINE * n.water.dx / n.plate.thickness
 

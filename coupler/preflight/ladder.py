@@ -18,7 +18,7 @@ from coupler.preflight.error_flow import MOTIONS
 from coupler.preflight.error_solid import PHASE, SWING, not_bounded
 from coupler.preflight.finding import STEADY
 from coupler.preflight.numbers import Numbers, scene_numbers
-from coupler.preflight.plate import goals_probe, goals_quantity, of_a_body
+from coupler.preflight.plate import goals_probe, goals_quantity, of_a_body, plates_body
 from coupler.preflight.rules import findings
 from coupler.preflight.rules_joint import helmholtz
 from coupler.preflight.variations import bends_at_points, coupled, dampings, fits, has_particles, refined, with_models
@@ -184,7 +184,7 @@ def _unable(scene: Scene, n: Numbers, worst: str) -> str:
             if n.water.rests and goals_quantity(scene) in MOTIONS:
                 return "the water rests: of a motion that is nothing there is no relative error"
             return "what is left of the value is too little for a bound of its relative error"
-        if n.plate is not None and afloat(scene, n.plate):
+        if n.plate is not None and afloat(scene, plates_body(scene, n.plate)):
             return f"the body floats: the windows of {n.water.model} do not follow its heave"
         if not any(scene.gravity) and n.water.model == "still":
             return "water at rest without weight presses on nothing"

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from coupler.preflight.afloat import buoyant_stiffness
 from coupler.preflight.held import (
     FACES_OF_AXIS,
     bending_frequency,
@@ -151,15 +152,22 @@ def measure_plate(scene: Scene, water: Water | None) -> Plate:
 
 
 def _sprung(scene: Scene, body: Body) -> tuple[float | None, float]:
-    """Frequency [1/s] and damping [1/s] of a body on its springs, the stiffest of those that water before one of its
-    faces, or else anything, can push against; None and 0 without."""
+    """Frequency [1/s] and damping [1/s] of a body on its springs: along the axis that the goal asks about, where
+    buoyancy holds it too if that is gravity's; else of the stiffest of those that water before one of its faces, or
+    anything, can push against. None and 0 without."""
     spring, mass = scene.solid.spring, scene.solid.density * area(body)
-    pushed = np.eye(2)
+    probe = goals_probe(scene)
+    asked = {"x": 0, "y": 1}.get(goals_quantity(scene).rpartition("-")[2])
+    held, pushed = np.array(spring.stiffness[:2]), np.eye(2)
     if scene.fluid is not None:
+        held = held + buoyant_stiffness(scene, body) * upward(scene) ** 2
+    if asked is not None and probe.body == body.name:
+        pushed = pushed[[asked]]
+    elif scene.fluid is not None:
         middle, outward = edge_samples([body], scene.fluid.dx)
         wet = np.any([contains(water, middle + scene.fluid.dx * outward) for water in scene.fluid.bodies], axis=0)
         pushed = outward[wet] if wet.any() else pushed
-    stiffness = pushed**2 @ np.array(spring.stiffness[:2])
+    stiffness = pushed**2 @ held
     damping = pushed**2 @ np.array(spring.damping[:2])
     k = int(np.argmax(stiffness))
     return (math.sqrt(stiffness[k] / mass) / (2.0 * math.pi), damping[k] / mass) if stiffness[k] > 0.0 else (None, 0.0)
