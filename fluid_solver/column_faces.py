@@ -14,6 +14,7 @@ import numpy as np
 from shared.geometry import fill, outline, own_box
 from shared.schema import Scene
 from shared.schema_geometry import Body
+from shared.segments import right_of
 from shared.wetted_faces import wetted_stretches
 
 _AT_AN_END = np.array([3.0, -6.0, 4.0, -1.0]) / 24.0  # what columns at an end of a face are wider than their cells
@@ -50,7 +51,7 @@ class Patch:
     def locate(self, points: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Nearest column (m,) and the distance (m,) from its foot, within its length."""
         away = np.clip(self._height(points), 0.0, self.length)
-        along = (points - self.position[0]) @ np.array([self.normal[1], -self.normal[0]])
+        along = (points - self.position[0]) @ right_of(self.normal)
         return np.clip(np.rint(along / self.cell), 0, len(self.position) - 1).astype(int), away
 
     def _height(self, points: np.ndarray) -> np.ndarray:
@@ -68,7 +69,7 @@ def _of_body(scene: Scene, body: Body) -> list[Patch]:
     top, lattice = float(np.max(-corners @ gravity)), fill(body, scene.fluid.dx).position
     found = []
     for s in wetted_stretches(scene, body):
-        inward = np.array([-s.along[1], s.along[0]])  # the body is on the left
+        inward = -right_of(s.along)  # the body is on the left
         count = max(1, round((s.high - s.low) / scene.fluid.dx))
         cell = (s.high - s.low) / count
         feet = s.start + (s.low + (np.arange(count)[:, None] + 0.5) * cell) * s.along

@@ -18,6 +18,7 @@ from scipy.spatial import cKDTree
 from shared.geometry import distance_to, surroundings
 from shared.kernels import Kernel, evaluate
 from shared.schema_geometry import Body
+from shared.segments import directions, lengths, right_of
 
 REACH = 2.0  # supports: how far from a slanted face fluid is packed
 CLEAR = 0.4  # of dx: nearest to a face
@@ -124,11 +125,9 @@ def off_faces(position: np.ndarray, faces: np.ndarray, clearance: float) -> np.n
     Faces along the lattice stand half a spacing off; a slanted face cuts the lattice anywhere.
     """
     position = position.copy()
-    for start, end in faces:
-        length = float(np.hypot(*(end - start)))
-        along = (end - start) / length
-        normal = np.array([-along[1], along[0]])
+    for face in faces:
+        start, along, normal = face[0], directions(face), -right_of(directions(face))
         s, d = (position - start) @ along, (position - start) @ normal
-        near = (np.abs(d) < clearance) & (s > 0.0) & (s < length)
+        near = (np.abs(d) < clearance) & (s > 0.0) & (s < lengths(face))
         position[near] += (clearance - d[near])[:, None] * normal
     return position

@@ -21,6 +21,7 @@ import numpy as np
 
 from shared.geometry import outline
 from shared.schema_geometry import Body
+from shared.segments import right_of
 
 LIGHTEST = 0.5  # share of its mass that a particle has at least: less at the edge of deep water, which is let down
 _THINNEST = 1e-9  # of the water's depth: a thinner stretch
@@ -36,7 +37,7 @@ def settle(
     if g == 0.0:
         return position, np.zeros(len(position)), np.ones(len(position))
     up = -gravity / g
-    across = np.array([up[1], -up[0]])
+    across = right_of(up)
     edges, held = (np.stack([k @ across, k @ up], axis=2) for k in (outline(body), faces))
     lowest, highest = edges[:, :, 1].min(), edges[:, :, 1].max()
     place, height = position @ across, position @ up

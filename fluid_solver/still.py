@@ -22,6 +22,7 @@ from shared.contract import Description, Frame, Kinematics, Loads, SolverFailed
 from shared.geometry import contains, fill, outline
 from shared.schema import Scene
 from shared.schema_probes import FORCES
+from shared.segments import lengths, right_of
 from shared.wetted_faces import DRY, wet_links
 
 _LEAST_BENDS = 3  # of a chain, from which they tell how it bends at its ends
@@ -50,7 +51,7 @@ class StillWater:
         """The nodes of the wetted faces are the interface points."""
         length = np.zeros(len(self._nodes))
         for end in (0, 1):
-            np.add.at(length, self._links[:, end], 0.5 * np.hypot(*self._along(self._nodes).T))
+            np.add.at(length, self._links[:, end], 0.5 * lengths(self._nodes[self._links]))
         dx = self._scene.fluid.dx
         return Description(
             name="fluid",
@@ -136,9 +137,6 @@ class StillWater:
     def _solids(self) -> list[str]:
         return [body.name for body in self._scene.solid.bodies]
 
-    def _along(self, place: np.ndarray) -> np.ndarray:
-        return place[self._links[:, 1]] - place[self._links[:, 0]]
-
     def _lay_levels(self) -> dict[int, Level]:
         """The level of each pool, by its first body; none without gravity."""
         if self._g == 0.0:
@@ -175,8 +173,8 @@ class StillWater:
     def _load(self, place: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Pressure (n,) [Pa] and force (n, 2) [N/m] of nodes at `place` (n, 2)."""
         p = self._scene.fluid.density * (place @ self._gravity + self._top(self._pool))
-        along, (first, second) = self._along(place), self._links.T
-        into_solid = np.c_[-along[:, 1], along[:, 0]]  # the solid is on the left; as long as the link
+        first, second = self._links.T
+        into_solid = -right_of(place[second] - place[first])  # the solid is on the left; as long as the link
         at_first, at_second = _shared(p[first], p[second])
         force = np.zeros_like(place)
         np.add.at(force, first, at_first[:, None] * into_solid)

@@ -13,6 +13,7 @@ from scipy.optimize import brentq
 from shared.contract import SolverFailed
 from shared.geometry import area_below, contains, outline
 from shared.schema_geometry import Body
+from shared.segments import right_of
 
 _BESIDE = 1e-3  # of a side: bodies touch where one holds a point this far off the other's
 _ROUNDING = 1e-12  # of the water's height
@@ -25,7 +26,7 @@ def pools(bodies: list[Body]) -> list[int]:
     for i, body in enumerate(bodies):
         segments = outline(body)
         along = segments[:, 1] - segments[:, 0]
-        beside = segments.mean(axis=1) + _BESIDE * np.c_[along[:, 1], -along[:, 0]]
+        beside = segments.mean(axis=1) + _BESIDE * right_of(along)
         for j, other in enumerate(bodies):
             if i != j and contains(other, beside).any():
                 low, high = sorted((pool[i], pool[j]))
@@ -38,7 +39,7 @@ class Level:
     (m, 2) between nodes that stand at `nodes` (n, 2) [m] at first, the water on the right."""
 
     def __init__(self, segments: np.ndarray, links: np.ndarray, nodes: np.ndarray, up: np.ndarray):
-        self._axes = np.stack([[up[1], -up[0]], up], axis=1)
+        self._axes = np.stack([right_of(up), up], axis=1)
         self._edges, self._links, self._nodes = segments @ self._axes, links, nodes @ self._axes
         z = self._edges[..., 1]
         self.first, self._extent = float(z.max()), float(np.ptp(z))

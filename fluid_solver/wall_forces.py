@@ -18,6 +18,7 @@ from fluid_solver.fields import STRUCTURE
 from fluid_solver.initial import Ghosts, joints
 from shared.geometry import distance_to
 from shared.schema import Scene
+from shared.segments import directions, right_of
 from shared.wall_chains import MEET, Chain, Ground, chains, parting
 
 _LEAST_SINE = 0.1  # of the turn at a corner: below, about 6°, and beyond 174°, each ghost's force is its owner's
@@ -79,12 +80,12 @@ class WallForces:
         place, sense = (face[0], 1.0) if starts else (face[1], -1.0)
         arm = position - place
         past = np.where(
-            self._owner == ground.wall, np.clip(0.5 + sense * arm @ _along(floor) / self._dx, 0.0, 1.0), 0.0
+            self._owner == ground.wall, np.clip(0.5 + sense * arm @ directions(floor) / self._dx, 0.0, 1.0), 0.0
         )
-        past[(self._owner == own.wall) & (sense * arm @ _along(face) < 0.0)] = 1.0
+        past[(self._owner == own.wall) & (sense * arm @ directions(face) < 0.0)] = 1.0
         rows = np.flatnonzero((past > 0.0) & self._alone & (np.hypot(*arm.T) < self._support))
         sides = [(ground, floor), (own, face)] if starts else [(own, face), (ground, floor)]
-        first = _first_part(*(_normal_of(now) for _, now in sides))
+        first = _first_part(*(right_of(directions(now)) for _, now in sides))
         if first is None or distance_to(floor[None], place[None])[0] > MEET * self._dx:
             return np.zeros(2)
         corner = _Corner((sides[0][0].wall, sides[1][0].wall), rows, first)
@@ -100,7 +101,7 @@ def _corners(scene: Scene, position: np.ndarray, owner: np.ndarray, support: flo
     """Corners of unlike walls that have ghosts which both walls share."""
     for chain in chains(scene.walls, scene.fluid.dx):
         for first, second, rows in [*joints(chain, position, owner), *_feet(chain, position, owner, support)]:
-            part = _first_part(_normal_of(first.face), _normal_of(second.face))
+            part = _first_part(*(right_of(directions(side.face)) for side in (first, second)))
             if first.wall != second.wall and part is not None and len(rows):
                 yield _Corner((first.wall, second.wall), rows, part)
 
@@ -125,26 +126,15 @@ def _feet(
     for k, (ground, _, place, sense) in enumerate(ends):
         if ground is not None:
             arms[k] = np.hypot(*(position - place).T)
-            past[k] = sense * (position - place) @ _along(ground.face) > 0.0
+            past[k] = sense * (position - place) @ directions(ground.face) > 0.0
     nearest = np.argmin(arms, axis=0)
     for k, (ground, own, place, sense) in enumerate(ends):
         if ground is not None:
-            run_on = (owner == own.wall) & (sense * (position - place) @ _along(own.face) < 0.0)
+            run_on = (owner == own.wall) & (sense * (position - place) @ directions(own.face) < 0.0)
             other = ends[1 - k][0]
             under = (owner == ground.wall) & (past.all(axis=0) if other and other.wall == ground.wall else past[k])
             rows = np.flatnonzero((run_on | under) & (nearest == k) & (arms[k] < support))
             yield (ground, own, rows) if sense > 0.0 else (own, ground, rows)
-
-
-def _along(segment: np.ndarray) -> np.ndarray:
-    """Unit vector (2,) along a segment's walk."""
-    return (segment[1] - segment[0]) / np.hypot(*(segment[1] - segment[0]))
-
-
-def _normal_of(segment: np.ndarray) -> np.ndarray:
-    """Unit vector (2,) to the right of a segment's walk."""
-    along = _along(segment)
-    return np.array([along[1], -along[0]])
 
 
 def _turn(rest: np.ndarray, now: np.ndarray) -> np.ndarray:

@@ -12,6 +12,7 @@ from shared.motion_table import largest_speed
 from shared.schema import Scene
 from shared.schema_fluid import FluidBody
 from shared.schema_solid import RIGID_MODELS, Load, Solid, SolidBody
+from shared.segments import lengths
 from shared.wall_speeds import lasting_faces, pushing_speed
 
 NO_SPEED = (
@@ -157,8 +158,7 @@ def _force(body: SolidBody, load: Load, mass: float) -> np.ndarray:
     most = max(map(abs, load.table.factors)) if load.table is not None else 1.0
     if load.acceleration is not None:
         return most * mass * np.asarray(load.acceleration)
-    ends = faces(body)[load.face]
-    return most * float(np.hypot(*np.diff(ends, axis=1)[:, 0].T).sum()) * np.asarray(load.traction)
+    return most * float(lengths(faces(body)[load.face]).sum()) * np.asarray(load.traction)
 
 
 def _clamped(solid: Solid, body: SolidBody) -> bool:

@@ -18,6 +18,7 @@ from shared.contract import BadInput, Description
 from shared.geometry import fill, outline_less
 from shared.linear_fit import linear_row
 from shared.schema import Scene
+from shared.segments import lengths, right_of
 
 
 class FaceLoads:
@@ -33,7 +34,7 @@ class FaceLoads:
         """Force (n, 2) [N/m] on the points at `position` (n, 2) [m] under `pressure` (n,) [Pa] on them."""
         start, end, p = self._starts @ position, self._ends @ position, pressure[self._points]
         along = end - start
-        outward = np.stack([along[:, 1], -along[:, 0]], axis=1)  # the body is on the left
+        outward = right_of(along)  # the body is on the left
         p = carried(p, (0.5 * (start + end) - position[self._points]) @ self._weight)
         force = np.zeros_like(position)
         np.add.at(force, self._points, -p[:, None] * outward)
@@ -53,8 +54,9 @@ def _of_body(scene: Scene, structure: Description, k: int) -> tuple[csr_matrix, 
     tree, spacing = cKDTree(structure.position[own]), max(fill(body, scene.solid.dx).spacing)
     clamped = {clamp.face for clamp in scene.solid.clamps if clamp.body == body.name}
     starts, ends = [], []
-    for start, end in outline_less(body, sorted(clamped)):
-        pieces = max(1, round(float(np.hypot(*(end - start))) / spacing))
+    for face in outline_less(body, sorted(clamped)):
+        start, end = face
+        pieces = max(1, round(float(lengths(face)) / spacing))
         nodes = start + np.linspace(0.0, 1.0, pieces + 1)[:, None] * (end - start)
         starts, ends = [*starts, *nodes[:-1]], [*ends, *nodes[1:]]
     starts, ends = np.reshape(starts, (-1, 2)), np.reshape(ends, (-1, 2))

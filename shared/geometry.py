@@ -29,6 +29,7 @@ from shared.regions import (
 )
 from shared.schema_fluid import Wall
 from shared.schema_geometry import Shape
+from shared.segments import directions, lengths, right_of
 from shared.wall_chains import Chain, chains
 
 __all__ = [
@@ -149,15 +150,13 @@ def wall_particles(walls: Sequence[Wall], dx: float, depth: float) -> list[Parti
 def _beyond(faces: np.ndarray, points: np.ndarray, depths: np.ndarray, segment: np.ndarray) -> np.ndarray:
     """Whether each of `points` (n, 2), that deep (n,) [m] behind a `segment`, is nearer than that behind one of the
     `faces` (k, 2, 2), or has come out before one that looks away from the segment."""
-    along = _unit(segment)
-    length = np.hypot(*(segment[1] - segment[0]))
+    along, length = directions(segment), lengths(segment)
     foot = segment[0] + np.clip((points - segment[0]) @ along, 0.0, length)[:, None] * along
     found = np.zeros(len(points), dtype=bool)
-    for start, end in faces:
-        along = _unit(np.stack([start, end]))
-        right = np.array([along[1], -along[0]])
+    for face in faces:
+        start, along, right = face[0], directions(face), right_of(directions(face))
         s, d = (points - start) @ along, (points - start) @ right
-        beside = (s > 0.0) & (s < np.hypot(*(end - start)))
+        beside = (s > 0.0) & (s < lengths(face))
         found |= beside & (d < depths) & ((d > 0.0) | ((foot - start) @ right > _TIE * depths))
     return found
 
@@ -165,10 +164,9 @@ def _beyond(faces: np.ndarray, points: np.ndarray, depths: np.ndarray, segment: 
 def _segment_layers(chain: Chain, index: int, layers: np.ndarray, dx: float) -> tuple[np.ndarray, np.ndarray, float]:
     """Layer particles (n, 2) [m] of one segment of a chain, cut at its corners; how deep (n,) [m] they stand; the
     volume [m²] of each."""
-    start, end = chain.segments[index]
-    length = np.hypot(*(end - start))
-    direction = (end - start) / length
-    right = np.array([direction[1], -direction[0]])
+    segment = chain.segments[index]
+    (start, end), length, direction = segment, lengths(segment), directions(segment)
+    right = right_of(direction)
     count = max(1, math.floor(length / dx + 0.5))
     spacing = length / count
     before, after = _cuts(chain, index)
@@ -220,7 +218,7 @@ def _cuts(chain: Chain, index: int) -> tuple[_Cut | None, _Cut | None]:
 
 def _bisector(before: np.ndarray, after: np.ndarray) -> _Cut:
     """The cut along the bisector of a corner; layers run on to it unless it turns right."""
-    a, b = _unit(before), _unit(after)
+    a, b = directions(before), directions(after)
     mean = a + b
     length = np.hypot(*mean)
     across = mean / length if length > 1e-9 else a
@@ -232,9 +230,8 @@ def _bisector(before: np.ndarray, after: np.ndarray) -> _Cut:
 
 def _face_cut(segment: np.ndarray, face: np.ndarray, sense: float) -> _Cut:
     """The cut along a `face` on which `segment` stands; `sense`: 1 where it starts there, -1 where it ends."""
-    along, face_along = _unit(segment), _unit(face)
-    right = np.array([along[1], -along[0]])
-    up = np.array([-face_along[1], face_along[0]])
+    along, up = directions(segment), -right_of(directions(face))
+    right = right_of(along)
     return _Cut(sense * up, max(0.0, float(right @ up / abs(along @ up))), 0.0)
 
 
@@ -243,8 +240,3 @@ def _columns(cut: _Cut | None, depth: float, spacing: float) -> int:
     if cut is None or cut.overrun == 0.0:
         return 0
     return math.ceil(depth * min(cut.overrun, _LONGEST_MITRE) / spacing + 0.5)
-
-
-def _unit(segment: np.ndarray) -> np.ndarray:
-    along = segment[1] - segment[0]
-    return along / np.hypot(*along)

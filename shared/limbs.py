@@ -16,6 +16,7 @@ import numpy as np
 
 from shared.regions import Same, area, outline_own, own_box
 from shared.schema_geometry import Shape
+from shared.segments import directions, lengths, right_of
 
 SLENDER = 0.75
 FITS = 0.02  # of a bending compliance
@@ -67,12 +68,12 @@ def _ways(same: Same) -> tuple[np.ndarray, ...]:
     their length and that of outline which each stands for (n,) [m], and whether they end square (n,)."""
     segments = outline_own(same.shape)
     along = segments[:, 1] - segments[:, 0]
-    length = np.hypot(*along.T)
+    length = lengths(segments)
     count = np.maximum(1, np.rint(_POINTS * length / length.sum()).astype(int))
     owner = np.repeat(np.arange(len(segments)), count)
     place = (np.concatenate([np.arange(c) for c in count]) + 0.5) / count[owner]
     start = segments[owner, 0] + place[:, None] * along[owner]
-    inward = np.stack([-along[:, 1], along[:, 0]], axis=1)[owner] / length[owner, None]
+    inward = -right_of(directions(segments))[owner]
     offset = segments[None, :, 0] - start[:, None]
     across = inward[:, None, 0] * along[None, :, 1] - inward[:, None, 1] * along[None, :, 0]
     with np.errstate(divide="ignore", invalid="ignore"):
@@ -88,7 +89,7 @@ def _ways(same: Same) -> tuple[np.ndarray, ...]:
 
 def _corners(segments: np.ndarray) -> int:
     """Number of corners at which an outline (k, 2, 2) turns away from the body."""
-    along = (segments[:, 1] - segments[:, 0]) / np.hypot(*(segments[:, 1] - segments[:, 0]).T)[:, None]
+    along = directions(segments)
     size = float(np.ptp(segments.reshape(-1, 2), axis=0).max())
     gap = np.hypot(*(segments[:, None, 1] - segments[None, :, 0]).T).T
     turn = along[:, None, 0] * along[None, :, 1] - along[:, None, 1] * along[None, :, 0]

@@ -16,6 +16,7 @@ from functools import lru_cache
 import numpy as np
 
 from shared.schema_geometry import Rotation, Shape
+from shared.segments import directions, lengths, right_of
 
 SIDES = {"left": (0, -1.0), "right": (0, 1.0), "bottom": (1, -1.0), "top": (1, 1.0)}
 """Faces of a bounding box in its own frame: axis of their outward normal, and its sense."""
@@ -220,12 +221,9 @@ def _clip(shape: Shape, segments: np.ndarray) -> np.ndarray:
     """
     size = np.ptp(segments.reshape(-1, 2), axis=0).max()
     pieces = np.concatenate([_split(segment, segments, _ON_LINE * size) for segment in segments])
-    along = pieces[:, 1] - pieces[:, 0]
-    length = np.hypot(along[:, 0], along[:, 1])
-    pieces, along, length = (a[length > _PROBE * size] for a in (pieces, along, length))
-    left = np.c_[-along[:, 1], along[:, 0]] / length[:, None] * (_PROBE * size)
-    middle = pieces.mean(axis=1)
-    in_left, in_right = _contains_own(shape, middle + left), _contains_own(shape, middle - left)
+    pieces = pieces[lengths(pieces) > _PROBE * size]
+    middle, right = pieces.mean(axis=1), right_of(directions(pieces)) * (_PROBE * size)
+    in_left, in_right = _contains_own(shape, middle - right), _contains_own(shape, middle + right)
     pieces[in_right & ~in_left] = pieces[in_right & ~in_left][:, ::-1]
     pieces, middle = pieces[in_left != in_right], middle[in_left != in_right]
     _, first = np.unique(np.round(middle / (_PROBE * size)), axis=0, return_index=True)
@@ -234,9 +232,7 @@ def _clip(shape: Shape, segments: np.ndarray) -> np.ndarray:
 
 def _split(segment: np.ndarray, others: np.ndarray, tolerance: float) -> np.ndarray:
     """`segment` (2, 2) cut where any of `others` (k, 2, 2) crosses it or ends on it."""
-    start, along = segment[0], segment[1] - segment[0]
-    length = np.hypot(*along)
-    direction = along / length
+    start, direction, length = segment[0], directions(segment), lengths(segment)
     offset = others - start
     s = offset @ direction
     d = offset[..., 1] * direction[0] - offset[..., 0] * direction[1]

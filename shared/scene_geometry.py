@@ -16,7 +16,8 @@ from shared.schema import Scene
 from shared.schema_fluid import Wall
 from shared.schema_geometry import SHAPE_KINDS, Body, Domain, Shape
 from shared.schema_solid import PARTICLE_MODELS, RIGID_MODELS
-from shared.wall_chains import lengths_of
+from shared.segments import lengths
+from shared.wall_chains import segments_of
 
 OVERLAP_TOLERANCE = 0.01  # depth over dx up to which two bodies only touch
 MOST_CELLS = 2e7  # particles per body that fit the memory of a large workstation
@@ -73,7 +74,7 @@ def _too_fine(scene: Scene) -> Iterator[str]:
             wrong = f"{path.split('.')[0]}.dx = {dx:g}: body {_called(path, body)} would hold {_cells(body, dx):.2g}"
             yield f"{wrong} particles; the limit is {MOST_CELLS:.0e}"
     for _, wall, dx in _walls(scene):
-        count = _WALL_DEPTH * float(lengths_of(wall).sum()) / dx
+        count = _WALL_DEPTH * float(lengths(segments_of(wall)).sum()) / dx
         if count > MOST_CELLS:
             wrong = f"fluid.dx = {dx:g}: wall '{wall.name}' would hold {count:.2g}"
             yield f"{wrong} particles; the limit is {MOST_CELLS:.0e}"
@@ -90,7 +91,7 @@ def _walls(scene: Scene) -> Iterator[tuple[int, Wall, float]]:
 def _corners(scene: Scene) -> Iterator[str]:
     """A wall's segment needs a direction."""
     for i, wall, dx in _walls(scene):
-        for k, length in enumerate(lengths_of(wall)):
+        for k, length in enumerate(lengths(segments_of(wall))):
             if length < _SHORTEST * dx:
                 other = (k + 1) % len(wall.polyline)
                 yield f"walls[{i}].polyline: corners {k} and {other} are less than {_SHORTEST:g} dx apart; keep one"
@@ -178,8 +179,8 @@ def _cells_within(body: Body, dx: float, other: Body, dx_least: float) -> np.nda
 
 
 def _can_be_laid(wall: Wall, dx: float) -> bool:
-    lengths = lengths_of(wall)
-    return bool(lengths.min() >= _SHORTEST * dx and _WALL_DEPTH * lengths.sum() / dx <= MOST_CELLS)
+    along = lengths(segments_of(wall))
+    return bool(along.min() >= _SHORTEST * dx and _WALL_DEPTH * along.sum() / dx <= MOST_CELLS)
 
 
 def _behind_walls(scene: Scene) -> Iterator[str]:

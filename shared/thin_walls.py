@@ -16,6 +16,7 @@ from scipy.spatial import cKDTree
 from shared.geometry import contains
 from shared.schema import Scene
 from shared.schema_fluid import PARTICLE_FLUIDS
+from shared.segments import directions, lengths, right_of
 from shared.wall_chains import segments_of
 
 THINNEST = 1.9  # of dx, of a structure too: below it the net load of two waters is up to a quarter off
@@ -57,12 +58,11 @@ def points_along(faces: np.ndarray, spacing: float) -> tuple[np.ndarray, np.ndar
     """Points (n, 2) [m] along the `faces` (k, 2, 2), `spacing` [m] apart or less, and unit normals (n, 2) to their
     left, seen from start to end."""
     points, normals = [], []
-    for start, end in faces:
-        along = end - start
-        length = float(np.hypot(*along))
-        count = max(1, int(np.ceil(length / spacing)))
-        points.append(start + along * ((np.arange(count) + 0.5) / count)[:, None])
-        normals.append(np.tile([-along[1] / length, along[0] / length], (count, 1)))
+    for face in faces:
+        start, end = face
+        count = max(1, int(np.ceil(lengths(face) / spacing)))
+        points.append(start + (end - start) * ((np.arange(count) + 0.5) / count)[:, None])
+        normals.append(np.tile(-right_of(directions(face)), (count, 1)))
     return np.concatenate(points), np.concatenate(normals)
 
 

@@ -13,6 +13,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from shared.schema_fluid import Wall
+from shared.segments import directions, lengths, right_of
 
 MEET = 0.1  # of dx: ends of walls nearer to each other, or to a face, are taken for one point
 
@@ -44,12 +45,6 @@ def segments_of(wall: Wall) -> np.ndarray:
     """Faces (k, 2, 2) [m] of a wall in the order of its walk."""
     corners = np.asarray([*wall.polyline, wall.polyline[0]] if wall.closed else wall.polyline, dtype=float)
     return np.stack([corners[:-1], corners[1:]], axis=1)
-
-
-def lengths_of(wall: Wall) -> np.ndarray:
-    """Lengths (k,) [m] of a wall's faces."""
-    start, end = segments_of(wall).transpose(1, 0, 2)
-    return np.hypot(*(end - start).T)
 
 
 def chains(walls: Sequence[Wall], dx: float) -> list[Chain]:
@@ -129,10 +124,8 @@ def _under(end: np.ndarray, inner: np.ndarray, grounds: Sequence[Ground], near: 
     """The ground between whose ends the `end` (2,) of a wall lies, if `inner` (2,), the corner next to the end, is on
     the left of it."""
     faces = np.stack([ground.face for ground in grounds])
-    along = faces[:, 1] - faces[:, 0]
-    length = np.hypot(*along.T)
-    along = along / length[:, None]
-    left = np.c_[-along[:, 1], along[:, 0]]
+    along, length = directions(faces), lengths(faces)
+    left = -right_of(along)
     s = np.sum((end - faces[:, 0]) * along, axis=1)
     d = np.abs(np.sum((end - faces[:, 0]) * left, axis=1))
     stands = (d <= near) & (s > near) & (s < length - near) & (np.sum((inner - faces[:, 0]) * left, axis=1) > near)

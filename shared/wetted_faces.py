@@ -3,7 +3,6 @@ there is water beside the solids' faces, and whether there is any for water at r
 
 from __future__ import annotations
 
-import math
 from collections.abc import Iterator
 from dataclasses import dataclass
 
@@ -12,6 +11,7 @@ import numpy as np
 from shared.geometry import contains, outline
 from shared.schema import Scene
 from shared.schema_geometry import Body
+from shared.segments import directions, lengths, right_of
 
 _TOUCHING = 1e-6  # of dx: faces this near to each other touch
 _PARALLEL = 1e-9  # sine of the angle between faces that touch
@@ -35,11 +35,10 @@ class Stretch:
 def wetted_stretches(scene: Scene, body: Body) -> list[Stretch]:
     """All stretches of the fluid body `body`."""
     found = []
-    for side, (start, end) in enumerate(outline(body)):
-        length = math.hypot(*(end - start))
-        along = (end - start) / length
+    for side, face in enumerate(outline(body)):
+        start, along = face[0], directions(face)
         for k, solid in enumerate(scene.solid.bodies if scene.solid else []):
-            pieces = _common(start, along, length, outline(solid), scene.fluid.dx)
+            pieces = _common(face, outline(solid), scene.fluid.dx)
             found += [Stretch(side, start, along, low, high, k) for low, high in pieces]
     return found
 
@@ -63,12 +62,11 @@ def wet_links(scene: Scene) -> Iterator[tuple[int, np.ndarray, np.ndarray]]:
     cut the segment into links about dx long, and for each link the number of the fluid body beside it, or `DRY`."""
     dx = scene.fluid.dx
     for index, solid in enumerate(scene.solid.bodies if scene.solid else []):
-        for start, end in outline(solid):
-            length = np.hypot(*(end - start))
-            count = max(1, round(length / dx))
+        for segment in outline(solid):
+            start, end = segment
+            count = max(1, round(lengths(segment) / dx))
             nodes = start + (end - start) * np.linspace(0.0, 1.0, count + 1)[:, None]
-            outward = np.array([(end - start)[1], -(end - start)[0]]) / length
-            beside = 0.5 * (nodes[:-1] + nodes[1:]) + _BESIDE * dx * outward
+            beside = 0.5 * (nodes[:-1] + nodes[1:]) + _BESIDE * dx * right_of(directions(segment))
             water = np.full(count, DRY)
             for k, body in enumerate(scene.fluid.bodies):
                 water[contains(body, beside)] = k
@@ -76,16 +74,16 @@ def wet_links(scene: Scene) -> Iterator[tuple[int, np.ndarray, np.ndarray]]:
                 yield index, nodes, water
 
 
-def _common(start, along, length: float, segments: np.ndarray, dx: float) -> list[tuple[float, float]]:
-    """Parts, as intervals along a face from `start` in direction `along`, that lie on one of `segments` (k, 2, 2)."""
-    across = np.array([-along[1], along[0]])
+def _common(face: np.ndarray, segments: np.ndarray, dx: float) -> list[tuple[float, float]]:
+    """Parts of a `face` (2, 2), as intervals [m] from its start, that lie on one of `segments` (k, 2, 2)."""
+    start, along = face[0], directions(face)
+    across = right_of(along)
     parts = []
-    for a, b in segments:
-        direction = (b - a) / math.hypot(*(b - a))
+    for (a, b), direction in zip(segments, directions(segments), strict=True):
         if abs(direction @ across) > _PARALLEL or abs((a - start) @ across) > _TOUCHING * dx:
             continue
         low, high = sorted(((a - start) @ along, (b - start) @ along))
-        low, high = max(low, 0.0), min(high, length)
+        low, high = max(low, 0.0), min(high, lengths(face))
         if high - low > _TOUCHING * dx:
             parts.append((low, high))
     return parts

@@ -8,6 +8,7 @@ import numpy as np
 
 from shared.geometry import faces
 from shared.schema_solid import Clamp
+from shared.segments import directions, lengths, right_of
 from solid_solver.filled import FilledBody
 
 FACE_POINT_WEIGHT = 0.5
@@ -24,16 +25,15 @@ def face_points(segments: np.ndarray, axes: np.ndarray, spacing: np.ndarray) -> 
     They are cell-centred at the spacing of the lattice along the segment, so that on a face along an axis they
     continue the lattice's columns.
     """
-    points, lengths = [], []
-    for start, end in segments:
-        length = math.hypot(*(end - start))
+    points, shares = [], []
+    for segment in segments:
+        (start, end), length = segment, lengths(segment)
         along = np.abs(axes @ (end - start)) / length
         step = float(np.hypot(*(along * spacing)))
         count = max(1, math.ceil(length / step - _WHOLE))
-        share = (np.arange(count) + 0.5) / count
-        points.append(start + share[:, None] * (end - start))
-        lengths.append(np.full(count, length / count))
-    return np.concatenate(points), np.concatenate(lengths)
+        points.append(start + ((np.arange(count) + 0.5) / count)[:, None] * (end - start))
+        shares.append(np.full(count, length / count))
+    return np.concatenate(points), np.concatenate(shares)
 
 
 def fixed_particles(body: FilledBody, clamp: Clamp, beyond: float, share: float = 1.0) -> tuple[np.ndarray, np.ndarray]:
@@ -46,8 +46,7 @@ def fixed_particles(body: FilledBody, clamp: Clamp, beyond: float, share: float 
     points, areas = [], []
     for segment in faces(body.shape)[clamp.face]:
         on_face, length = face_points(segment[None], body.axes, body.spacing)
-        along = (segment[1] - segment[0]) / math.hypot(*(segment[1] - segment[0]))
-        outward = np.array([along[1], -along[0]])
+        outward = right_of(directions(segment))
         depth = float(np.hypot(*((body.axes @ outward) * body.spacing)))
         for k in range(math.ceil(beyond) or 1):
             points.append(on_face + ((k + 0.5) * depth if beyond else 0.0) * outward)

@@ -14,6 +14,7 @@ from scipy.sparse import csr_array
 
 from shared.geometry import faces
 from shared.schema_solid import Load
+from shared.segments import directions, right_of
 from solid_solver.bodies import LatticeBody
 from solid_solver.clamps import face_points
 from solid_solver.held import MovingClamp, sizes
@@ -41,8 +42,7 @@ class FollowingLoad:
     def forces(self, displacement: np.ndarray, time: float) -> np.ndarray:
         """Forces (m, 2) [N/m] on the face's points under a displacement (n, 2) [m] of the particles at `time` [s]."""
         t = self.tangent + self.slopes @ displacement + self.held @ sizes(self.moving, np.array([time]))[0]
-        normal = np.stack([t[:, 1], -t[:, 0]], axis=1)
-        return self.along[:, None] * t + self.outward[:, None] * normal
+        return self.along[:, None] * t + self.outward[:, None] * right_of(t)
 
     def acceleration(self, displacement: np.ndarray, time: float) -> np.ndarray:
         """Acceleration (n, 2) [m/s²] of the particles."""
@@ -62,14 +62,13 @@ def following_load(load: Load, number: int, body: LatticeBody, count: int, densi
         at, length = face_points(segment[None], body.axes, body.spacing)
         points.append(at)
         lengths.append(length)
-        tangents.append(np.tile((segment[1] - segment[0]) / np.linalg.norm(segment[1] - segment[0]), (len(at), 1)))
+        tangents.append(np.tile(directions(segment), (len(at), 1)))
     points, lengths, tangent = map(np.concatenate, (points, lengths, tangents))
     shape = (len(points), count)
     row, column, weight = body.point_weights(points)
     values = csr_array((weight, (row, column)), shape=shape)
     row, column, weight = body.point_weights(points, tangent)
     slopes = csr_array((weight, (row, column)), shape=shape)
-    outward = np.stack([tangent[:, 1], -tangent[:, 0]], axis=1)
     traction = np.asarray(load.traction)
     return FollowingLoad(
         number,
@@ -79,6 +78,6 @@ def following_load(load: Load, number: int, body: LatticeBody, count: int, densi
         body.moving,
         tangent,
         lengths * (tangent @ traction),
-        lengths * (outward @ traction),
+        lengths * (right_of(tangent) @ traction),
         density * body.cell,
     )

@@ -11,6 +11,7 @@ from shared.elasticity import bulk_modulus
 from shared.geometry import own_box
 from shared.regions import SIDES
 from shared.schema_solid import Solid, SolidBody
+from shared.segments import right_of
 
 
 def cantilever_root(mode: int) -> float:
@@ -54,7 +55,7 @@ def _mode(solid: Solid, body: SolidBody, points: np.ndarray) -> tuple[np.ndarray
     speed = wanted.tip_speed
     if speed is None:
         speed = wanted.tip_speed_over_c0 * math.sqrt(bulk_modulus(solid) / solid.density)
-    across = np.array([outward[1], -outward[0]]) @ turn  # the way to the tip is −outward; a quarter turn on
+    across = right_of(outward) @ turn  # the way to the tip is −outward; a quarter turn on
     return speed * shape[:, None] * across, speed * slope / length
 
 

@@ -18,6 +18,7 @@ import numpy as np
 from shared.geometry import faces
 from shared.jit import njit
 from shared.schema import Scene
+from shared.segments import lengths
 from solid_solver.filled import FilledBody
 from solid_solver.loads import Schedule, schedule
 
@@ -117,8 +118,7 @@ class FloatingBody:
                 loads.append((schedule(load), np.array([*(mass * np.array(load.acceleration)), 0.0, 0.0])))
                 continue
             segments = faces(self.body.shape)[load.face]
-            lengths = np.linalg.norm(segments[:, 1] - segments[:, 0], axis=1)
-            force = np.outer(lengths, load.traction)
+            force = np.outer(lengths(segments), load.traction)
             loads.append((schedule(load), resultant(segments.mean(axis=1) - self.centre, force)))
         return loads
 

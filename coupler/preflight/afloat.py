@@ -11,6 +11,7 @@ from coupler.preflight.shapes import area
 from shared.geometry import area_below, corners_of, outline
 from shared.schema import Scene
 from shared.schema_geometry import Body
+from shared.segments import right_of
 
 AFLOAT = 0.03  # weight of the water that a body's motion moves, over its springs' force
 _ROUNDING = 1e-6  # of a body's height
@@ -64,7 +65,7 @@ def buoyant_stiffness(scene: Scene, body: Body) -> float:
 
 def _frame(up: np.ndarray) -> np.ndarray:
     """Directions (2, 2) across gravity and against it, as columns."""
-    return np.stack([[up[1], -up[0]], up], axis=1)
+    return np.stack([right_of(up), up], axis=1)
 
 
 def _level(scene: Scene, up: np.ndarray) -> float:

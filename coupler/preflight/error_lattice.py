@@ -22,6 +22,7 @@ from shared.geometry import outline
 from shared.regions import axes_of
 from shared.schema import Scene
 from shared.schema_probes import FORCES
+from shared.segments import right_of
 
 HELD = "water that bears shear"
 FEW, MANY = 0.35, 0.1  # κ
@@ -42,7 +43,7 @@ def lattice_hold(scene: Scene, n: Numbers) -> float:
     depth = max(levels_before(scene, body)) - 0.5 * float(heights.min() + heights.max())
     most = (MANY if scene.fluid.h_over_dx >= MANY_NEIGHBOURS else FEW) * n.water.density * g * max(depth, 0.0)
     along, stiffness = _held_along(scene, n)
-    front = np.ptp(outline(body).reshape(-1, 2) @ np.array([along[1], -along[0]])) / plate.length
+    front = np.ptp(outline(body).reshape(-1, 2) @ right_of(along)) / plate.length
     most *= min(float(front), 1.0)
     push = abs(float(_push(scene, n) @ along))
     if forces:

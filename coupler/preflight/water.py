@@ -13,8 +13,9 @@ from shared.fluid_step import COURANT, fluid_step
 from shared.geometry import contains, corners_of, distance_to, outline
 from shared.kernels import kernel_named
 from shared.schema import Scene
+from shared.segments import lengths, right_of
 from shared.thin_walls import points_along
-from shared.wall_chains import lengths_of
+from shared.wall_chains import segments_of
 from shared.wall_speeds import lasting_faces
 
 _BACKED = 0.75  # of dx: a wall or body this close behind the water's face holds it
@@ -103,9 +104,9 @@ def _fluid_particles(scene: Scene, support: float) -> float:
     dx = scene.fluid.dx
     layers = math.ceil(support / dx)
     count = sum(area(body) for body in scene.fluid.bodies) / dx**2
-    count += sum(float(lengths_of(wall).sum()) for wall in scene.walls) / dx * layers
+    count += sum(float(lengths(segments_of(wall)).sum()) for wall in scene.walls) / dx * layers
     for body in scene.solid.bodies if scene.solid else []:
-        edge = float(np.hypot(*np.diff(outline(body), axis=1)[:, 0].T).sum())
+        edge = float(lengths(outline(body)).sum())
         count += min(area(body) / dx**2, edge / dx * layers)
     return count
 
@@ -157,7 +158,7 @@ def bottomless(scene: Scene) -> float:
     if not g.any() or g[_periods(scene)].any():
         return 0.0
     up = -g / np.hypot(*g)
-    frame = np.stack([[up[1], -up[0]], up], axis=1)  # across gravity, and against it
+    frame = np.stack([right_of(up), up], axis=1)  # across gravity, and against it
     dx = scene.fluid.dx
     middle, outward = edge_samples(scene.fluid.bodies, dx)
     low = middle[outward @ up < -UPWARD] @ frame
