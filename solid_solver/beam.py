@@ -13,8 +13,8 @@ from shared.contract import SolverFailed
 from shared.solid_step import beam_step
 from solid_solver.beam_geometry import frequency, make_beam
 from solid_solver.beam_motion import MovingBeam
-from solid_solver.filled import nearest_gap
 from solid_solver.point_model import PointModel
+from solid_solver.probes import nearest_gap
 
 
 class BeamModel(PointModel):

@@ -7,22 +7,18 @@ What is published are material tracers: each particle carries the offset to the 
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
 
 import numpy as np
 
-from shared.contract import Description, Exchange, Frame, Kinematics, Loads, SolverFailed
+from shared.contract import SolverFailed
 from shared.elasticity import lame, plane_modulus, wave_speed
 from shared.jit import use_threads
 from shared.schema import Scene
 from shared.solid_step import UPDATED_COURANT
 from solid_solver.carried import Carried
 from solid_solver.damping import damped_kick
-from solid_solver.energies import WorkBook, trapezoid
-from solid_solver.filled import nearest_gap
-from solid_solver.interface import describe, kinematics_over_window
-from solid_solver.loads import scheduled_loads
-from solid_solver.probes import Observed, kinetic_energy, solid_probes, wants_work
+from solid_solver.energies import trapezoid
+from solid_solver.particle_model import ParticleModel
 from solid_solver.updated_fields import AX, RHO, M, U, V, X, Y
 from solid_solver.updated_observe import failure, side_by_side, strain_energy, stresses, tracers
 from solid_solver.updated_start import start
@@ -36,25 +32,15 @@ _BESIDE = 1.2
 """Distance over the spacing within which particles of a lattice stand side by side; across they stand 1.41 apart."""
 
 
-class UpdatedLagrangian:
+class UpdatedLagrangian(ParticleModel):
     """The updated-Lagrangian solid (see the module's text)."""
 
-    role = "structure"
-
     def __init__(self, scene: Scene, coupled: bool, threads: int):
-        solid = scene.solid
-        self._scene = scene
-        self._s = start(scene)
-        self._bodies, self._S, self._slot = self._s.bodies, self._s.S, self._s.storage.free
-        self._reference = np.concatenate([b.position for b in self._bodies])
-        self._mass = self._S[M, self._slot]
-        self._loads = scheduled_loads(scene, self._bodies)
+        solid, self._s = scene.solid, start(scene)
+        self._S, self._slot = self._s.S, self._s.storage.free
+        super().__init__(scene, self._s.bodies, self._S[M, self._slot])
         self._ramped = np.array([self._padded(r) for r in self._loads.ramped]).reshape(-1, 2, self._s.storage.slots)
-        self._probes = solid_probes(scene, self._bodies)
         self._threads = threads if self.particles() >= PARALLEL_FROM else 1
-        self._time, self._steps = 0.0, 0
-        owner = np.repeat(np.arange(len(self._bodies)), [len(b.position) for b in self._bodies])
-        self._books = WorkBook(wants_work(scene), owner, self._mass, len(self._bodies))
         self._carried = Carried(solid.motion, self._rows(X)) if solid.motion else None
         if self._carried is not None:
             self._to(*self._carried.at(0.0)[:2])
@@ -64,56 +50,13 @@ class UpdatedLagrangian:
         reach = _BESIDE * float(self._s.spacing[self._slot].max())
         self._pairs = side_by_side(self._S[X : Y + 1], self._slot, self._s.storage.extents, reach)
         self._at_once(0.0)
-        self._energy_at_start = np.array([self._kinetic(k) + self._strain_energy(k) for k in range(len(self._bodies))])
-
-    # ---- the contract -----------------------------------------------------------------------------------------
-
-    def describe(self) -> Description:
-        return describe(self._scene, self._bodies, self.stable_step())
-
-    def begin(self, motion: Kinematics | None) -> Kinematics:
-        velocity = self._rows(U)
-        acceleration = self._rows(AX) + self._loads.at(0.0) - self._scene.solid.damping * velocity
-        return Kinematics(self._rows(X), velocity, acceleration, velocity.copy(), acceleration.copy())
+        self._open_books()
 
     def stable_step(self) -> float:
         solid = self._scene.solid
         courant = UPDATED_COURANT[solid.gradient] if solid.courant == "auto" else solid.courant
         closest = min(1.0, self._stepper.closest())
         return courant * closest * float(self._s.spacing[self._slot].min()) / wave_speed(solid)
-
-    def advance(self, t0: float, t1: float, substeps: int, boundary: Exchange | None) -> Kinematics:
-        use_threads(self._threads)
-        dt = (t1 - t0) / substeps
-        before = self._tracers()
-        force = boundary.force / self._mass[:, None] if isinstance(boundary, Loads) else None
-        together = 1 if self._loads.following or self._carried is not None else substeps
-        for first in range(0, substeps, together):
-            times = t0 + dt * np.arange(first, first + together + 1)
-            if self._carried is not None:
-                acceleration = self._carry(times[-1], dt)
-            else:
-                acceleration = self._advance_under(times, dt, force)
-        self._steps += substeps
-        self._time = t1
-        self._stepper.look()
-        return kinematics_over_window(before, self._tracers(), acceleration, t1 - t0)
-
-    def state(self) -> dict[str, np.ndarray]:
-        used = self._s.storage.used
-        time = np.array([self._time])
-        return {
-            "rows": self._S[:, used],
-            "listed_at": self._stepper.listed_at[:, used],
-            "work": self._books.done,
-            "time": time,
-        }
-
-    def restore(self, state: Mapping[str, np.ndarray]) -> None:
-        for name, array in self.state().items():
-            array[...] = state[name]
-        self._time = float(state["time"][0])
-        self._stepper.list_pairs(self._stepper.listed_at)
 
     def check(self) -> None:
         found = failure(self._S, self._slot, self._stepper.gauge, self._scene.solid.density, self._pairs)
@@ -136,34 +79,38 @@ class UpdatedLagrangian:
             )
         return "use solid.gradient = 'quadratic', which bears larger strains, "
 
-    def probe_values(self) -> dict[str, float]:
-        position, velocity = self._tracers()
-        seen = Observed(
-            displacement=position - self._reference,
-            velocity=velocity,
-            place=self._rows(X),
-            speed=self._rows(U),
-            strain_energy=self._strain_energy,
-            clamp_force=self._clamp_force,
-            stress=lambda: stresses(self._S, self._slot, self._moduli()),
-            gap=lambda k: nearest_gap(self._rows(X)[self._bodies[k].own], self._bodies[k].spacing),
-            work=self._books.done,
-            start=self._energy_at_start,
-        )
-        return {name: value(seen) for name, value in self._probes.items()}
-
-    def frame(self) -> Frame:
-        position, velocity = self._tracers()
-        fields = {"displacement": position - self._reference, "velocity": velocity, "density": self._S[RHO, self._slot]}
-        return Frame(self._rows(X), fields | stresses(self._S, self._slot, self._moduli()))
-
     def particles(self) -> int:
         return len(self._slot) + len(self._s.storage.held)
 
-    def steps(self) -> int:
-        return self._steps
+    # ---- what is told of the state ----------------------------------------------------------------------------
 
-    # ---- inside -----------------------------------------------------------------------------------------------
+    def _particles(self) -> tuple[np.ndarray, np.ndarray]:
+        return self._rows(X), self._rows(U)
+
+    def _published(self) -> tuple[np.ndarray, np.ndarray]:
+        return tracers(self._S, self._slot)
+
+    def _displacement(self) -> np.ndarray:
+        return self._published()[0] - self._reference
+
+    def _internal(self) -> np.ndarray:
+        return self._rows(AX)
+
+    def _strain_energy(self, k: int) -> float:
+        return strain_energy(self._S, self._s.storage.extents[k], self._moduli(), self._s.curvature)
+
+    def _fields(self) -> dict[str, np.ndarray]:
+        return {"density": self._S[RHO, self._slot], **stresses(self._S, self._slot, self._moduli())}
+
+    def _arrays(self) -> dict[str, np.ndarray]:
+        used = self._s.storage.used
+        return {"rows": self._S[:, used], "listed_at": self._stepper.listed_at[:, used]}
+
+    def _restored(self) -> None:
+        self._stepper.list_pairs(self._stepper.listed_at)
+
+    def _survey(self) -> None:
+        self._stepper.look()
 
     def _rows(self, row: int) -> np.ndarray:
         """The vector in rows `row` and `row` + 1 in the order of the published points, (n, 2)."""
@@ -178,9 +125,18 @@ class UpdatedLagrangian:
     def _to(self, place: np.ndarray, velocity: np.ndarray) -> None:
         self._S[X : Y + 1, self._slot], self._S[U : V + 1, self._slot] = place.T, velocity.T
 
-    def _tracers(self) -> tuple[np.ndarray, np.ndarray]:
-        """Position and velocity (n, 2) of the material tracers."""
-        return tracers(self._S, self._slot)
+    # ---- the integration --------------------------------------------------------------------------------------
+
+    def _integrate(self, t0: float, t1: float, substeps: int, force: np.ndarray | None) -> np.ndarray:
+        dt = (t1 - t0) / substeps
+        together = 1 if self._loads.following or self._carried is not None else substeps
+        for first in range(0, substeps, together):
+            times = t0 + dt * np.arange(first, first + together + 1)
+            if self._carried is not None:
+                acceleration = self._carry(times[-1], dt)
+            else:
+                acceleration = self._advance_under(times, dt, force)
+        return acceleration
 
     def _advance_under(self, times: np.ndarray, dt: float, force: np.ndarray | None) -> np.ndarray:
         """Steps of `dt` [s] between `times` under a constant `force` (n, 2) [m/s²] beside the scene's loads.
@@ -189,7 +145,7 @@ class UpdatedLagrangian:
         """
         shares = self._loads.kicks(times)
         steady = self._loads.steady if force is None else self._loads.steady + force
-        before, velocity = self._tracers()
+        before, velocity = self._published()
         if self._loads.following:
             middle = before - self._reference + 0.5 * dt * velocity
             steady = steady + self._loads.by_following(0.5 * (times[0] + times[-1]), middle, (times[0], times[-1]))
@@ -197,7 +153,7 @@ class UpdatedLagrangian:
         self._stepper.take(self._s.held.places(times), loads, dt, kick)
         if self._books.wanted:
             mean = steady + np.tensordot(trapezoid(shares), self._loads.ramped, axes=1)
-            self._books.add(mean, self._tracers()[0] - before)
+            self._books.add(mean, self._published()[0] - before)
         damping = self._scene.solid.damping * self._rows(U)
         return self._rows(AX) + steady + np.tensordot(shares[-1], self._loads.ramped, axes=1) - damping
 
@@ -220,16 +176,3 @@ class UpdatedLagrangian:
         lam, mu = lame(solid)
         bending = plane_modulus(solid) if self._s.order == 1 else 0.0
         return mu, (lam + 2.0 * mu / 3.0) / solid.density, solid.density, bending
-
-    def _kinetic(self, k: int) -> float:
-        own = self._bodies[k].own
-        return kinetic_energy(self._mass[own], self._rows(U)[own])
-
-    def _strain_energy(self, k: int) -> float:
-        return strain_energy(self._S, self._s.storage.extents[k], self._moduli(), self._s.curvature)
-
-    def _clamp_force(self, k: int) -> np.ndarray:
-        """Force (2,) [N/m] of the clamps on a body: forces between particles are equal and opposite."""
-        own = self._bodies[k].own
-        direct = self._loads.on_clamps(self._time, self._tracers()[0] - self._reference)
-        return self._rows(AX)[own].T @ self._mass[own] - direct[k]
