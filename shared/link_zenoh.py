@@ -29,12 +29,12 @@ import threading
 import time
 import weakref
 from collections.abc import Callable, Iterator
+from typing import Any
 
 import zenoh
 
 from shared.awake import PAUSE_S, awake
-from shared.contract import EarlyModel, ParticipantLost, ShearwaterError
-from shared.service import Service
+from shared.contract import ParticipantLost, ShearwaterError
 from shared.slices import SHORTEST, set_slice
 
 # One thread for all of zenoh's own work instead of one for each kind of it, through which every message is handed on: a
@@ -43,21 +43,22 @@ from shared.slices import SHORTEST, set_slice
 _ONE_THREAD = "(acc: (handover: app), net: (handover: app), rx: (handover: app), tx: (handover: app))"
 os.environ.setdefault("ZENOH_RUNTIME", _ONE_THREAD)
 
-_CONNECT_TIMEOUT_S = 20.0
-_HEARTBEAT_PERIOD_S = 1.0
-_SILENT_AFTER_S = PAUSE_S + 2.0 * _HEARTBEAT_PERIOD_S  # the supervisor, who knows more, is to speak first
+CONNECT_TIMEOUT_S = 20.0
+HEARTBEAT_PERIOD_S = 1.0
+_SILENT_AFTER_S = PAUSE_S + 2.0 * HEARTBEAT_PERIOD_S  # the supervisor, who knows more, is to speak first
 _BROKEN_AFTER_S = 2.0  # a process that ends closes its connection first
 _FIRST_STEP_WITHIN_S = 900.0  # a first run compiles, on a busy machine for minutes
 _POLL_S = 0.2
 _HEED_SIGNALS_EVERY_S = 1.0
 _CLOSE_WITHIN_S = 5.0
-_LEASE_S = 86400.0
-_STALLED_READER_S = {"peer": PAUSE_S + 5.0, "client": _LEASE_S}  # the coupler may pause for as long as it likes
+LEASE_S = 86400.0
+_STALLED_READER_S = {"peer": PAUSE_S + 5.0, "client": LEASE_S}  # the coupler may pause for as long as it likes
 _WAKE = b"wake"  # attachment of what wakes
 _MOST_WAITING = 4  # messages in a channel: one request or reply, and one that wakes
 
 
-def _key(run: str, name: str, topic: str) -> str:
+def key(run: str, name: str, topic: str) -> str:
+    """A key expression of the list above."""
     return f"shearwater/{run}/{name}/{topic}"
 
 
@@ -72,7 +73,7 @@ def _config(mode: str, where: str, endpoint: str, patience: float) -> zenoh.Conf
         "scouting/gossip/enabled": "false",
         "scouting/delay": "0",
         "transport/shared_memory/enabled": "false",
-        "transport/link/tx/lease": f"{1e3 * _LEASE_S:.0f}",  # ms
+        "transport/link/tx/lease": f"{1e3 * LEASE_S:.0f}",  # ms
         f"{queue}/congestion_control/block/wait_before_close": f"{1e6 * _STALLED_READER_S[mode]:.0f}",  # µs
         "connect/timeout_ms": f"{1e3 * patience:.0f}",
         "connect/exit_on_failure": "true",
@@ -90,6 +91,20 @@ def free_endpoint() -> str:
 
 
 @contextlib.contextmanager
+def reaching(endpoint: str, patience: float) -> Iterator[zenoh.Session]:
+    """A participant's session; raises ParticipantLost where no coupler answers at `endpoint` within `patience` [s]."""
+    try:
+        session = zenoh.open(_config("client", "connect/endpoints", endpoint, patience))
+    except zenoh.ZError as error:
+        raise ParticipantLost(
+            f"cannot reach a coupler at {endpoint} within {patience:g} s: {error} "
+            "(a refused password or certificate shows as this time-out too)"
+        ) from None
+    with _closing(session):
+        yield session
+
+
+@contextlib.contextmanager
 def listening(run: str, endpoint: str | None = None) -> Iterator[tuple[zenoh.Session, str]]:
     """The coupler's session and its endpoint; without `endpoint` on a free port."""
     session, attempts = None, 1 if endpoint else 5
@@ -98,16 +113,21 @@ def listening(run: str, endpoint: str | None = None) -> Iterator[tuple[zenoh.Ses
         chosen = endpoint or free_endpoint()
         attempts -= 1
         try:
-            session = zenoh.open(_config("peer", "listen/endpoints", chosen, _CONNECT_TIMEOUT_S))
+            session = zenoh.open(_config("peer", "listen/endpoints", chosen, CONNECT_TIMEOUT_S))
         except zenoh.ZError as error:
             if attempts == 0:
                 raise ParticipantLost(f"cannot listen on {chosen}: {error}") from None
-    with _closing(session):
-        token = session.liveliness().declare_token(_key(run, "coupler", "alive"))
-        try:
-            yield session, chosen
-        finally:
-            token.undeclare()
+    with _closing(session), undeclaring(session.liveliness().declare_token(key(run, "coupler", "alive"))):
+        yield session, chosen
+
+
+@contextlib.contextmanager
+def undeclaring(entity: Any) -> Iterator[Any]:
+    """What a session has declared, up to the end."""
+    try:
+        yield entity
+    finally:
+        entity.undeclare()
 
 
 @contextlib.contextmanager
@@ -140,7 +160,7 @@ class ZenohLink:
         self._alive = alive
         self._stall_after = stall_after
         self._connected = threading.Event()
-        self._token = _key(run, name, "alive")
+        self._token = key(run, name, "alive")
         self._heard: float | None = None  # when the first heartbeat came
         self._broken: float | None = None  # when its connection ended
         self._beat = (awake(), b"")  # arrival of the last heartbeat, and what it said
@@ -148,13 +168,13 @@ class ZenohLink:
         self._waiting = False
         self._woken = awake()  # when the reader was last woken, or began to wait
         self._lost: ShearwaterError | None = None
-        self._replies, self._wake = _channel(session, _key(run, name, "reply"))
+        self._replies, self._wake = channel(session, key(run, name, "reply"))
         self._entities = [
-            session.declare_subscriber(_key(run, name, "heartbeat"), self._on_heartbeat),
+            session.declare_subscriber(key(run, name, "heartbeat"), self._on_heartbeat),
             session.liveliness().declare_subscriber(self._token, self._on_liveliness, history=True),
         ]
         self._publisher = session.declare_publisher(
-            _key(run, name, "request"), congestion_control=zenoh.CongestionControl.BLOCK, express=True
+            key(run, name, "request"), congestion_control=zenoh.CongestionControl.BLOCK, express=True
         )
         threading.Thread(target=_watch, args=(weakref.ref(self),), daemon=True).start()
 
@@ -193,7 +213,7 @@ class ZenohLink:
     def receive(self) -> bytes:
         """Wait for the reply; raises ParticipantLost when the participant died, went silent or stalled."""
         self._waiting = True
-        while (reply := _next(self._replies)) is None:
+        while (reply := next_message(self._replies)) is None:
             if self._lost is not None:
                 raise self._lost
         self._waiting = False
@@ -238,79 +258,19 @@ def _watch(link: weakref.ref[ZenohLink]) -> None:
         time.sleep(_POLL_S)
 
 
-def _channel(session: zenoh.Session, key: str) -> tuple[zenoh.Subscriber, Callable[[], None]]:
-    """What arrives on `key`, to be received in order by `_next`, and what wakes its reader."""
-    channel = session.declare_subscriber(key, zenoh.handlers.FifoChannel(_MOST_WAITING))
+def channel(session: zenoh.Session, where: str) -> tuple[zenoh.Subscriber, Callable[[], None]]:
+    """What arrives on the key `where`, to be received in order by `next_message`, and what wakes its reader."""
+    channel = session.declare_subscriber(where, zenoh.handlers.FifoChannel(_MOST_WAITING))
 
     def wake() -> None:
         with contextlib.suppress(zenoh.ZError):  # a session that is closed has no reader
-            session.put(key, b"", attachment=_WAKE, allowed_destination=zenoh.Locality.SESSION_LOCAL)
+            session.put(where, b"", attachment=_WAKE, allowed_destination=zenoh.Locality.SESSION_LOCAL)
 
     return channel, wake
 
 
-def _next(channel: zenoh.Subscriber) -> bytes | None:
+def next_message(channel: zenoh.Subscriber) -> bytes | None:
     """The next message, or None when woken."""
     sample = channel.recv()
     woken = sample.attachment is not None and sample.attachment.to_bytes() == _WAKE
     return None if woken else sample.payload.to_bytes()
-
-
-def serve(
-    endpoint: str,
-    run: str,
-    name: str,
-    service: Service,
-    attended: bool = False,
-) -> None:
-    """Answer the coupler's requests until the participant has finished; raises ParticipantLost when the coupler is
-    gone.
-
-    The number of steps is sent as heartbeat. `attended`: this process ends with the coupler, which may pause, also
-    before it is reached, for as long as it likes.
-    """
-    participant, patience = service.participant, _LEASE_S if attended else _CONNECT_TIMEOUT_S
-    set_slice(SHORTEST)
-    try:
-        session = zenoh.open(_config("client", "connect/endpoints", endpoint, patience))
-    except zenoh.ZError as error:
-        raise ParticipantLost(
-            f"cannot reach a coupler at {endpoint} within {patience:g} s: {error} "
-            "(a refused password or certificate shows as this time-out too)"
-        ) from None
-    if isinstance(participant.model, EarlyModel):
-        set_slice(0.0)  # what it computes after a reply is in nobody's way; zenoh's own threads keep theirs
-    stop = threading.Event()
-    with _closing(session):
-        replies = session.declare_publisher(
-            _key(run, name, "reply"), congestion_control=zenoh.CongestionControl.BLOCK, express=True
-        )
-        heart = session.declare_publisher(_key(run, name, "heartbeat"))
-
-        requests, wake = _channel(session, _key(run, name, "request"))
-
-        def on_coupler(sample: zenoh.Sample) -> None:
-            if sample.kind == zenoh.SampleKind.DELETE:
-                wake()
-
-        def beat() -> None:
-            while not stop.wait(_HEARTBEAT_PERIOD_S):
-                with contextlib.suppress(zenoh.ZError):
-                    heart.put(str(participant.model.steps()))
-
-        coupler = session.liveliness().declare_subscriber(_key(run, "coupler", "alive"), on_coupler, history=True)
-        token = session.liveliness().declare_token(_key(run, name, "alive"))
-        pulse = threading.Thread(target=beat, daemon=True)
-        pulse.start()
-        try:
-            while not participant.finished:
-                request = _next(requests)
-                if request is None:
-                    raise ParticipantLost("the coupler is gone; this participant ends")
-                replies.put(service.handle(request))
-                service.settle()
-        finally:
-            stop.set()
-            pulse.join()
-            for entity in (token, coupler, requests):
-                entity.undeclare()

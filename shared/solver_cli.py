@@ -23,7 +23,7 @@ from shared.commands import (
     warn,
 )
 from shared.contract import BadInput
-from shared.link_zenoh import serve
+from shared.link_serve import serve
 from shared.participant import Participant, own_faces
 from shared.resume import unfinished
 from shared.scene import load_scene

@@ -15,7 +15,8 @@ from coupler.remote import Remote, Working
 from coupler.schemes import Coupled
 from coupler.window import Plan
 from shared.clock import Clock
-from shared.link_zenoh import ZenohLink, listening, serve
+from shared.link_serve import serve
+from shared.link_zenoh import ZenohLink, listening
 from shared.participant import Participant
 from shared.schema_coupling import Coupling
 from shared.service import Service

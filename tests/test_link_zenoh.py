@@ -9,10 +9,11 @@ import numpy as np
 import pytest
 
 from coupler.remote import Remote
-from shared import link_zenoh
+from shared import link_serve, link_zenoh
 from shared.clock import Clock
 from shared.contract import Loads, ParticipantLost
-from shared.link_zenoh import ZenohLink, free_endpoint, listening, serve
+from shared.link_serve import serve
+from shared.link_zenoh import ZenohLink, free_endpoint, listening
 from shared.participant import Participant
 from shared.service import Service
 from shared.wire import BadMessage
@@ -66,7 +67,7 @@ def test_participant_ends_when_the_coupler_goes(toy_spring):
 @pytest.mark.timeout(60)
 @pytest.mark.parametrize("attended", [True, False])
 def test_a_coupler_that_pauses_before_it_is_reached_is_waited_for(toy_spring, monkeypatch, attended):
-    monkeypatch.setattr(link_zenoh, "_CONNECT_TIMEOUT_S", 0.3)
+    monkeypatch.setattr(link_serve, "CONNECT_TIMEOUT_S", 0.3)
     failures, endpoint = [], free_endpoint()
     participant = Participant(toy_spring(), "solid")
     thread = threading.Thread(target=serving, args=(endpoint, participant, failures, attended))
@@ -146,7 +147,7 @@ def test_first_step_may_compile_for_longer_than_a_stall():
 
 
 def test_no_coupler_at_the_endpoint(monkeypatch, toy_spring):
-    monkeypatch.setattr(link_zenoh, "_CONNECT_TIMEOUT_S", 0.5)
+    monkeypatch.setattr(link_serve, "CONNECT_TIMEOUT_S", 0.5)
     failures = []
     serving(link_zenoh.free_endpoint(), Participant(toy_spring(), "solid"), failures)
     assert "cannot reach a coupler" in failures[0]
