@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import contextlib
 import logging
-import time
 import uuid
 from collections.abc import Iterator
 from pathlib import Path
@@ -21,9 +20,10 @@ from coupler.prediction import Predictor
 from coupler.preflight.numbers import scene_numbers
 from coupler.preflight.window import longest_window
 from coupler.recording import recording
-from coupler.remote import Remote, RemoteError, Working
+from coupler.remote import Remote, RemoteError
 from coupler.schemes import Coupled, probes
 from coupler.supervisor import PACKAGES, solver_processes
+from coupler.tally import Tally, coupling_cost
 from coupler.window import Plan, alpha_rate, make_plan, mass_ratio
 from shared.checkpoint import Checkpoint, Checkpoints, way_on
 from shared.clock import Clock
@@ -140,21 +140,10 @@ def couple(scene: Scene, fluid: Remote, structure: Remote, record: Record, last:
     described = {"fluid": described_fluid, "solid": described_structure}
     costs = {side.name: {"model": described[side.name].model, **side.finish()} for side in (fluid, structure)}
     sides = [cost.pop("core_s") for cost in costs.values()]
-    waited = counts["marched_s"] - counts["worked_s"]
     record.cost |= {
         "core_s": counts["core_s"] + sum(sides) if fluid.apart else max(sides),
         **costs,
-        "coupling": {
-            "scheme": plan.scheme,
-            "windows": clock.count,
-            "iterations_mean": counts["iterations"] / clock.count,
-            "iterations_most": counts["most"],
-            "not_converged": counts["unconverged"],
-            "reasons": plan.reasons,
-            "core_s": counts["core_s"],
-            "wait_s": waited,
-            "overhead_fraction": waited / counts["marched_s"],
-        },
+        "coupling": coupling_cost(counts, plan, clock),
     }
 
 
@@ -197,13 +186,11 @@ def start(
 def march(
     scene: Scene, plan: Plan, clock: Clock, c: Coupled, record: Record, last: Checkpoint | None = None
 ) -> dict[str, float]:
-    """All windows, or those that the checkpoint `last` leaves; returns how they were iterated, and the time spent."""
-    begun, core_begun = time.perf_counter(), time.process_time()
-    first = last.window if last else 0
+    """All windows, or those that the checkpoint `last` leaves; returns their counts, see tally.py."""
+    first, tally = last.window if last else 0, Tally(c.fluid, c.structure)
     take = make_taker(plan, scene.coupling)
     rows, prescribed = first if last else None, c.structure.description.model == "rigid"
     ledger = Ledger(record.run_dir / "ledger.csv", scene.coupling.limits, rows, prescribed)
-    counts = {"iterations": 0, "unconverged": 0, "most": 0, "marched_s": 0.0, "worked_s": 0.0, "core_s": 0.0}
     checkpoints = Checkpoints(record.run_dir, scene.output.checkpoint_every, last)
     memory = {"coupled": c, "taker": take, "ledger": ledger}
     try:
@@ -211,31 +198,20 @@ def march(
             if last is None:
                 told.begin(c, clock, **outputs(scene, clock))
             else:
-                counts |= recall(memory, plan, last)
-            working = Working(counts["worked_s"], c.fluid, c.structure)
-            earlier = dict(counts)
-
-            def spent() -> dict[str, float]:
-                marched, core = time.perf_counter() - begun, time.process_time() - core_begun
-                own = {"marched_s": earlier["marched_s"] + marched, "core_s": earlier["core_s"] + core}
-                return own | {"worked_s": working.seconds}
-
+                tally.go_on(recall(memory, plan, last))
             for window in map(clock.window, range(first, clock.count)):
                 if checkpoints.due(stop.asked):
                     ledger.flush()
                     told.flush()
-                    remember(memory, plan, checkpoints, window, record.notes() | {"counts": counts | spent()})
+                    remember(memory, plan, checkpoints, window, record.notes() | {"counts": tally.counts()})
                 stop.here()
                 outcome = take(c, window)
-                working.note()
+                tally.add(outcome)
                 row = probes(c)
                 record.at(window.t1, row)
                 if take.heed(window, ledger.record(window, outcome)):
                     ledger.excuse()
                 told.add(window, outcome)
-                counts["iterations"] += len(outcome.changes)
-                counts["most"] = max(counts["most"], len(outcome.changes))
-                counts["unconverged"] += not outcome.converged
                 if row is not None:
                     ledger.flush()
     except RemoteError as error:
@@ -243,7 +219,7 @@ def march(
     finally:
         ledger.close()
         record.ledger |= ledger.summary()
-    return counts | spent()
+    return tally.counts()
 
 
 def outputs(scene: Scene, clock: Clock) -> dict[str, int]:
