@@ -10,7 +10,7 @@ import math
 from dataclasses import dataclass, field
 
 from shared.contract import Description
-from shared.geometry import own_box
+from shared.regions import own_size
 from shared.schema import Scene
 from shared.schema_coupling import Coupling
 from shared.schema_solid import PARTICLE_MODELS
@@ -74,8 +74,7 @@ def alpha_rate(fluid: Description, structure: Description) -> float:
 
 def mass_ratio(scene: Scene, structure: Description) -> float:
     """r = ρ_f H/(ρ_s t), H the largest extent of the water."""
-    boxes = [own_box(body) for body in scene.fluid.bodies]
-    depth = max(float((upper - lower).max()) for lower, upper in boxes)
+    depth = max(float(own_size(body).max()) for body in scene.fluid.bodies)
     return scene.fluid.density * depth / (structure.numbers["density"] * structure.numbers["thickness"])
 
 

@@ -14,7 +14,7 @@ from functools import lru_cache
 
 import numpy as np
 
-from shared.regions import Same, area, outline_own, own_box
+from shared.regions import Same, area, outline_own, own_box, own_size
 from shared.schema_geometry import Shape
 from shared.segments import directions, lengths, right_of
 
@@ -46,7 +46,7 @@ def limbs(shape: Shape) -> Limbs | None:
 def thickness_of(shape: Shape) -> float:
     """Thickness [m] of a shape's limbs, or the smaller side of its bounding box."""
     found = limbs(shape)
-    return found.thickness if found else float(np.min(np.subtract(*own_box(shape)[::-1])))
+    return found.thickness if found else float(own_size(shape).min())
 
 
 @lru_cache(maxsize=512)
@@ -57,7 +57,7 @@ def _limbs(same: Same) -> Limbs | None:
     _, _, way, share, _ = _ways(same)
     order = np.argsort(way)
     middle = float(way[order][np.searchsorted(np.cumsum(share[order]), 0.5 * share.sum())])
-    if middle > SLENDER * float(np.min(np.subtract(*own_box(shape)[::-1]))):
+    if middle > SLENDER * float(own_size(shape).min()):
         return None
     return Limbs(middle, area(shape) / middle, _corners(outline_own(shape)))
 
@@ -103,8 +103,8 @@ def bearing(shape: Shape, dx: float) -> float:
     if found is None:
         return 0.0
     start, end, way, share, square = _ways(Same(shape))
-    lower, upper = own_box(shape)
-    spacing = (upper - lower) / np.maximum(1, np.floor((upper - lower) / dx + 0.5))
+    lower, size = own_box(shape)[0], own_size(shape)
+    spacing = size / np.maximum(1, np.floor(size / dx + 0.5))
     step = np.abs(end - start)
     straight = square & (np.min(step, axis=1) <= _ON * way)
     row, axis = np.arange(len(way)), np.argmax(step, axis=1)
@@ -119,7 +119,7 @@ def bearing(shape: Shape, dx: float) -> float:
 
 def fitting(shape: Shape, dx: float) -> float | None:
     """The largest spacing below `dx` [m], down to a third of it, that fits a shape's limbs; None if there is none."""
-    side = float(np.min(np.subtract(*own_box(shape)[::-1])))
+    side = float(own_size(shape).min())
     least = math.ceil(side / dx)
     spacings = (side / count for count in range(least, 3 * least + 1))
     return next((one for one in spacings if abs(bearing(shape, one)) < FITS), None)

@@ -65,6 +65,12 @@ def own_box(shape: Shape) -> tuple[np.ndarray, np.ndarray]:
     return corners.min(axis=0), corners.max(axis=0)
 
 
+def own_size(shape: Shape) -> np.ndarray:
+    """Lengths of the sides (2,) [m] of the bounding box in the shape's own frame."""
+    lower, upper = own_box(shape)
+    return upper - lower
+
+
 def area(shape: Shape) -> float:
     """Area [m²], by Green's theorem from the outline; 0 for a difference that leaves nothing."""
     (x0, y0), (x1, y1) = np.moveaxis(outline_own(shape), 0, -1)

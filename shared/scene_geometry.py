@@ -11,7 +11,8 @@ from collections.abc import Callable, Iterator
 import numpy as np
 from scipy.spatial import cKDTree
 
-from shared.geometry import area, contains, distance_to, faces, fill, outline, own_box, wall_particles
+from shared.geometry import area, contains, distance_to, faces, fill, outline, wall_particles
+from shared.regions import own_size
 from shared.schema import Scene
 from shared.schema_fluid import Wall
 from shared.schema_geometry import SHAPE_KINDS, Body, Domain, Shape
@@ -39,8 +40,7 @@ def has_shape(shape: Shape) -> bool:
 def across(shape: Shape, dx: float) -> int:
     """Particles across the shape where it is thickest, at spacing `dx` [m]."""
     if shape.rectangle is not None:
-        lower, upper = own_box(shape)
-        return min(max(1, math.floor(length / dx + 0.5)) for length in upper - lower)
+        return min(max(1, math.floor(length / dx + 0.5)) for length in own_size(shape))
     finer = 4  # samples per dx and axis
     sample = fill(shape, dx / finer).position
     deepest = distance_to(outline(shape), sample).max() if len(sample) else 0.0
@@ -59,7 +59,7 @@ def _shapes(scene: Scene) -> Iterator[tuple[str, Body, float]]:
 
 def _cells(body: Body, dx: float) -> float:
     """Number of lattice cells in the body's bounding box."""
-    width, height = (float(length) for length in np.subtract(*own_box(body)[::-1]))
+    width, height = (float(length) for length in own_size(body))
     return (width / dx) * (height / dx)
 
 
@@ -120,8 +120,7 @@ def _sizes(scene: Scene) -> Iterator[str]:
         if body.polygon is not None and _crosses_itself(body):
             yield f"{path}.polygon: crosses itself"
             continue
-        lower, upper = own_box(body)
-        extent = float(np.min(upper - lower))
+        extent = float(own_size(body).min())
         key = path.split(".")[0] + ".dx"
         model = scene.solid.model if path.startswith("solid") else None
         if area(body) == 0.0:

@@ -4,8 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator
 
-from shared.geometry import own_box
-from shared.regions import SIDES
+from shared.regions import SIDES, own_size
 from shared.scene_geometry import across, has_shape
 from shared.schema import Scene
 from shared.schema_geometry import Shape
@@ -36,8 +35,7 @@ _AXIS = {face: axis for face, (axis, _) in SIDES.items()}
 
 def slenderness(shape: Shape) -> tuple[float, int]:
     """Length over thickness of a rectangle, and the axis of its length (0 or 1)."""
-    lower, upper = own_box(shape)
-    width, height = upper - lower
+    width, height = own_size(shape)
     return float(max(width, height) / min(width, height)), int(height > width)
 
 

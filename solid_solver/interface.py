@@ -8,8 +8,8 @@ import numpy as np
 
 from shared.contract import Description, Kinematics
 from shared.elasticity import wave_speed
-from shared.geometry import own_box
 from shared.limbs import thickness_of
+from shared.regions import own_size
 from shared.schema import Scene
 from shared.schema_solid import RIGID_MODELS
 from solid_solver.filled import FilledBody
@@ -19,7 +19,7 @@ def thickness(scene: Scene) -> float:
     """Least thickness of the bodies [m]: of their limbs, or of rigid ones the smaller side of the bounding box in their
     own frames."""
     if scene.solid.model in RIGID_MODELS:
-        return min(float(np.min(upper - lower)) for lower, upper in map(own_box, scene.solid.bodies))
+        return min(float(own_size(body).min()) for body in scene.solid.bodies)
     return min(thickness_of(body) for body in scene.solid.bodies)
 
 

@@ -22,8 +22,8 @@ import numpy as np
 from shared.commands import default_threads
 from shared.contract import ShearwaterError
 from shared.elasticity import wave_speed
-from shared.geometry import own_box
 from shared.probes import read_probes
+from shared.regions import own_size
 from shared.scene import load_scene
 from shared.solo import run_alone
 from shared.statistics import relative_error, statistic
@@ -119,8 +119,8 @@ def work(row: Row | Measure) -> float:
     if isinstance(row, Measure):
         return 0.0
     scene = load_scene(row.case, row.sets)
-    solid, boxes = scene.solid, [own_box(body) for body in scene.solid.bodies]
-    area = sum(float(np.prod(upper - lower)) for lower, upper in boxes)
+    solid = scene.solid
+    area = sum(float(np.prod(own_size(body))) for body in solid.bodies)
     if solid.model == "beam":
         return 0.0
     weight = {"printed": 3.0, "linear": 4.0, "quadratic": 10.0}[solid.gradient] if solid.model == "ctvf" else 1.0

@@ -14,7 +14,7 @@ import numpy as np
 
 from shared.elasticity import lame, plane_modulus, wave_speed
 from shared.limbs import limbs
-from shared.regions import axes_of, faces, own_box
+from shared.regions import axes_of, faces, own_box, own_size
 from shared.schema import Scene
 from shared.schema_geometry import Body
 from shared.schema_solid import RIGID_MODELS, Load
@@ -31,7 +31,7 @@ _WEIGHT = 0.315  # a cantilever buckles under 7.837 D/L² of its own weight, und
 
 def lengthwise(body: Body) -> tuple[int, float, float]:
     """Axis of a body's length in its own frame, its thickness and its length [m]."""
-    extent = np.subtract(*own_box(body)[::-1])
+    extent = own_size(body)
     axis = int(extent[1] > extent[0])
     return axis, float(extent[1 - axis]), float(extent[axis])
 

@@ -8,7 +8,7 @@ nothing timed decides.
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Literal
 
 from coupler.preflight.afloat import afloat
@@ -97,13 +97,9 @@ def _placed(rung: Rung, best: Rung) -> Rung:
     if rung.standing != "enough":
         return rung
     if rung is best:
-        return _replace(rung, standing="smallest", reason=f"bound {_percent(rung.error)} at the least cost")
+        return replace(rung, standing="smallest", reason=f"bound {_percent(rung.error)} at the least cost")
     more = (rung.cost.core_s - rung.cost.start_s) / max(best.cost.core_s - best.cost.start_s, 1e-9)
-    return _replace(rung, reason=f"not needed: {more:.3g} times the stepping of {best.name}")
-
-
-def _replace(rung: Rung, **changes) -> Rung:
-    return Rung(**{**rung.__dict__, **changes})
+    return replace(rung, reason=f"not needed: {more:.3g} times the stepping of {best.name}")
 
 
 def _rungs(scene: Scene) -> tuple[tuple[str, list], tuple[str, list]]:
@@ -146,7 +142,7 @@ def _startable(rung: Rung) -> Rung:
     """The rung, if a run of it would find no mistake as it starts. What takes hours is not looked at: laying its
     particles takes long too."""
     wrong = _mistake(rung.scene) if rung.cost.core_s < LONGEST else ""
-    return _replace(rung, standing="cannot", reason=wrong) if wrong else rung
+    return replace(rung, standing="cannot", reason=wrong) if wrong else rung
 
 
 def _judged(scene: Scene, fluid: str | None, solid: str | None, sets: tuple[str, ...]) -> Rung:

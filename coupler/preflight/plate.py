@@ -24,8 +24,8 @@ from coupler.preflight.pressed import strain_along
 from coupler.preflight.shapes import area
 from coupler.preflight.water import UPWARD, Water, edge_samples
 from shared.elasticity import wave_speed
-from shared.geometry import contains, outline, own_box
-from shared.regions import axes_of
+from shared.geometry import contains, outline
+from shared.regions import axes_of, own_size
 from shared.schema import Scene
 from shared.schema_fluid import FluidBody
 from shared.schema_geometry import Body
@@ -177,7 +177,7 @@ def _solid_particles(scene: Scene) -> float:
     """Particles, or nodes of beams, that the solid steps."""
     solid = scene.solid
     if solid.model == "beam":
-        return sum(float(np.max(np.subtract(*own_box(body)[::-1]))) / solid.dx + 1.0 for body in solid.bodies)
+        return sum(float(own_size(body).max()) / solid.dx + 1.0 for body in solid.bodies)
     return sum(area(body) for body in solid.bodies) / solid.dx**2
 
 

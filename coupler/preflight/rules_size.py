@@ -4,12 +4,9 @@ from __future__ import annotations
 
 import math
 
-import numpy as np
-
 from coupler.preflight.finding import Finding, above, of_particles
 from coupler.preflight.numbers import Numbers
-from coupler.preflight.shapes import excess
-from shared.geometry import own_box
+from coupler.preflight.shapes import cells, excess
 from shared.limbs import bearing, fitting
 from shared.schema import Scene
 from shared.schema_solid import PARTICLE_MODELS
@@ -27,7 +24,7 @@ def filled_area(scene: Scene, n: Numbers) -> Finding | None:
     sides = [("fluid", scene.fluid)] if of_particles(n) else []
     sides += [("solid", scene.solid)] if n.plate is not None and n.plate.model != "beam" else []
     shapes = [(side, body, one.dx) for side, one in sides for body in one.bodies if body.rectangle is None]
-    small = [s for s in shapes if np.prod(np.subtract(*own_box(s[1])[::-1])) / s[2] ** 2 <= MOST_FILLED]
+    small = [(side, body, dx) for side, body, dx in shapes if cells(body, dx) <= MOST_FILLED]
     if not small:
         return None
     value, side, name = max(

@@ -8,7 +8,7 @@ from functools import lru_cache
 import numpy as np
 
 from shared import geometry
-from shared.regions import Same
+from shared.regions import Same, own_size
 from shared.schema_geometry import Shape
 
 FEW = 2e4  # cells up to which an error bound counts what particles hold too much
@@ -29,11 +29,15 @@ def area(shape: Shape) -> float:
     return _area(Same(shape))
 
 
+def cells(shape: Shape, dx: float) -> float:
+    """Cells of spacing `dx` [m] in a shape's bounding box."""
+    return float(np.prod(own_size(shape))) / dx**2
+
+
 def excess(shape: Shape, dx: float, most: float) -> float:
     """What a shape's particles at spacing `dx` [m] hold beyond its area, over the area; 0 of a rectangle, which they
     fit, and of more than `most` cells, for then it is small."""
-    cells = np.prod(np.subtract(*geometry.own_box(shape)[::-1])) / dx**2
-    return 0.0 if shape.rectangle is not None or cells > most else _excess(Same(shape), dx)
+    return 0.0 if shape.rectangle is not None or cells(shape, dx) > most else _excess(Same(shape), dx)
 
 
 @lru_cache(maxsize=512)
@@ -50,5 +54,4 @@ def _excess_of_inertia(same: Same, dx: float) -> float:
 def excess_of_inertia(shape: Shape, dx: float, most: float) -> float:
     """What the polar moment of a shape's particles, as points, is beyond its own, over it; 0 of more than `most`
     cells."""
-    cells = np.prod(np.subtract(*geometry.own_box(shape)[::-1])) / dx**2
-    return 0.0 if cells > most else _excess_of_inertia(Same(shape), dx)
+    return 0.0 if cells(shape, dx) > most else _excess_of_inertia(Same(shape), dx)
