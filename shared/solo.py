@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
+import contextlib
 import itertools
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from pathlib import Path
 from typing import Any
 
@@ -83,16 +84,7 @@ def replay_alone(
     """
     _need_side(scene, case, side)
     source = recording_of(recorded, side)
-    told = messages(source)
-    first = list(itertools.islice(told, BEFORE_WINDOWS))
-    if not first:
-        raise BadInput(f"The recording {source} is empty.")
-    end = decode(first[-1]).info.get("end", scene.end_time)
-    if scene.end_time > end:
-        raise BadInput(
-            f"The recording {source} is of a run to end_time = {end:g} s; end_time = {scene.end_time:g} s is beyond "
-            "it. Replay it with the end_time of its run, or record a longer run."
-        )
+    told = _told(source, scene.end_time)
     scene = own_probes(scene, side)
     run_dir = new_run_directory(out, case)
     with Record(run_dir, scene, case, {side: threads}, quiet) as record:
@@ -100,23 +92,34 @@ def replay_alone(
         model = factory(scene, True, threads)
         participant = Participant(model, side, run_dir / f"{side}.vtkhdf", own_faces(scene, model))
         service = Service(participant, RUN)
-        try:
-            for data in itertools.chain(first, told):
+        with _finishing(participant, record):
+            for data in told:
                 reply = decode(service.handle(data))
                 if reply.verb == "error":
                     raise _refusal(reply, source)
                 if reply.verb != "describe":
                     record.at(reply.t1, reply.info.get("probes"))
-        finally:
-            participant.close()
-            cost = participant.finish()
-            record.cost |= {"core_s": cost.pop("core_s"), side: cost}
         if reply.t1 < scene.end_time:
             raise ParticipantLost(
                 f"the recording {source} ends at t = {reply.t1:.6g} s of end_time = {scene.end_time:g} s, and the "
                 f"replay with it: its run was cut short. Go on with that first: coupler resume {recorded}"
             )
     return record
+
+
+def _told(source: Path, end_time: float) -> Iterator[bytes]:
+    """The messages of the recording `source`. Raises BadInput where it is of a run that ended before `end_time` [s]."""
+    told = messages(source)
+    first = list(itertools.islice(told, BEFORE_WINDOWS))
+    if not first:
+        raise BadInput(f"The recording {source} is empty.")
+    end = decode(first[-1]).info.get("end", end_time)
+    if end_time > end:
+        raise BadInput(
+            f"The recording {source} is of a run to end_time = {end:g} s; end_time = {end_time:g} s is beyond it. "
+            "Replay it with the end_time of its run, or record a longer run."
+        )
+    return itertools.chain(first, told)
 
 
 def _refusal(reply: Message, source: Path) -> ShearwaterError:
@@ -135,7 +138,7 @@ def _march(
     fill_cache({side: f"{side}_solver"}, record.run_dir / "case.toml", scene)
     participant = Participant(factory(scene, False, threads), side, record.run_dir / f"{side}.vtkhdf")
     checkpoints = Checkpoints(record.run_dir, scene.output.checkpoint_every, last)
-    try:
+    with _finishing(participant, record):
         description = participant.describe()
         rows, frames = probe_rows(scene), scene.output.frames
         clock = Clock(scene.end_time, max(rows, frames))
@@ -156,7 +159,13 @@ def _march(
                 stop.here()
                 participant.advance(window, still)
                 record.at(window.t1, participant.accept())
+
+
+@contextlib.contextmanager
+def _finishing(participant: Participant, record: Record) -> Iterator[None]:
+    """Finish at the end, come what may, and keep what it cost."""
+    try:
+        yield
     finally:
-        participant.close()
         cost = participant.finish()
-        record.cost |= {"core_s": cost.pop("core_s"), side: cost}
+        record.cost |= {"core_s": cost.pop("core_s"), participant.name: cost}
