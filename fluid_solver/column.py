@@ -27,8 +27,8 @@ import numpy as np
 from fluid_solver.column_faces import wetted_patches
 from fluid_solver.delay_line import DelayLine
 from fluid_solver.hermite import hermite
-from fluid_solver.initial import sound_speed
 from shared.contract import Description, Frame, Kinematics, Loads, SolverFailed
+from shared.expected_speed import sound_speed
 from shared.schema import Scene
 from shared.schema_probes import FORCES
 from shared.schema_solid import RIGID_MODELS

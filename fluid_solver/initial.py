@@ -1,35 +1,28 @@
-"""The initial state: sound speed, fluid bodies as settled columns, ghosts of walls and structures."""
+"""The fluid at t = 0: bodies as packed and settled particles."""
 
 from __future__ import annotations
 
-import itertools
-from collections.abc import Iterator
 from dataclasses import dataclass
 
 import numpy as np
 
-from fluid_solver.fields import FREE_SLIP, NO_SLIP, STRUCTURE
 from fluid_solver.flows import initial_flow
+from fluid_solver.ghosts import Ghosts
 from fluid_solver.packing import off_faces, pack
-from fluid_solver.period import period_of, within_period
+from fluid_solver.period import period_of
 from fluid_solver.settled import settle
 from shared.contract import BadInput
-from shared.expected_speed import NO_SPEED
-from shared.expected_speed import sound_speed as scenes_sound_speed
-from shared.geometry import contains, distance_to, fill, outline, outline_less, wall_particles
-from shared.geometry import ghosts as body_ghosts
-from shared.kernels import Kernel
+from shared.geometry import fill, outline
 from shared.schema import Scene
-from shared.wall_chains import Chain, Ground, chains, segments_of
+from shared.wall_chains import segments_of
 
 CLEAR = 0.25  # of dx: fluid laid nearer to a face is moved off it; on the face it would start at the wrong pressure
-_ROUNDING = 1e-9  # of a distance
-OWNED = 0.25  # of dx: wall particles this close to a solid body are the body's
 
 
 @dataclass(frozen=True)
 class FluidParticles:
-    """Fluid at t = 0: position, velocity (n, 2), pressure, density, mass, body index (n,)."""
+    """Fluid at t = 0: position [m], velocity [m/s] (n, 2), pressure [Pa], density [kg/m³], mass [kg/m], index of the
+    body (n,)."""
 
     position: np.ndarray
     velocity: np.ndarray
@@ -39,40 +32,9 @@ class FluidParticles:
     body: np.ndarray
 
 
-@dataclass(frozen=True)
-class Ghosts:
-    """Walls, then structures: position (n, 2), volume, kind (n,), owner (n,): index of the wall or of the body, and
-    foot (n, 2): the nearest point of the wall's face, or of the structure's in its reference state."""
-
-    position: np.ndarray
-    volume: np.ndarray
-    kind: np.ndarray
-    owner: np.ndarray
-    foot: np.ndarray
-
-    @property
-    def normal(self) -> np.ndarray:
-        """Unit vectors (n, 2) from the wall's face to the ghosts; zero for structures, which bend."""
-        arm, bends = self.position - self.foot, self.kind == STRUCTURE
-        return np.where(bends[:, None], 0.0, arm) / np.where(bends, 1.0, np.hypot(*arm.T))[:, None]
-
-    @property
-    def walls(self) -> int:
-        """Number of wall particles, which come first."""
-        return int(np.count_nonzero(self.kind != STRUCTURE))
-
-
-def sound_speed(scene: Scene) -> float:
-    """The scene's sound speed [m/s]. Raises BadInput where nothing tells the automatic one."""
-    speed = scenes_sound_speed(scene)
-    if speed == 0.0:
-        raise BadInput(NO_SPEED)
-    return speed
-
-
-def fluid_particles(scene: Scene, c0: float, ghosts: Ghosts, kernel: Kernel, h: float) -> FluidParticles:
-    """All fluid bodies at t = 0, among the `ghosts`."""
-    fluid, faces = scene.fluid, wetted_faces(scene)
+def fluid_particles(scene: Scene, c0: float, ghosts: Ghosts) -> FluidParticles:
+    """All fluid bodies at t = 0, among the `ghosts`; `c0`: sound speed [m/s]."""
+    fluid, faces = scene.fluid, boundary_faces(scene)
     lattices = [fill(body, fluid.dx) for body in fluid.bodies]
     for body, lattice in zip(fluid.bodies, lattices, strict=True):
         if len(lattice.position) == 0:
@@ -81,7 +43,7 @@ def fluid_particles(scene: Scene, c0: float, ghosts: Ghosts, kernel: Kernel, h: 
     volume = np.concatenate([lattice.volume for lattice in lattices])
     position = off_faces(position, faces, CLEAR * fluid.dx)
     if fluid.shake == 0.0:
-        position = pack(position, volume, fluid.bodies, (ghosts.position, ghosts.volume), faces, kernel, h, fluid.dx)
+        position = pack(fluid, position, volume, faces, ghosts)
     gravity = np.where(np.diff(period_of(scene))[:, 0] > 0.0, 0.0, scene.gravity)
     parts, ends = [], np.cumsum([len(lattice.position) for lattice in lattices])
     for index, (body, here) in enumerate(zip(fluid.bodies, np.split(position, ends[:-1]), strict=True)):
@@ -103,63 +65,8 @@ def shaken(position: np.ndarray, size: float) -> np.ndarray:
     return position + np.random.default_rng(0).uniform(-size, size, position.shape) if size > 0.0 else position
 
 
-def wetted_faces(scene: Scene) -> np.ndarray:
+def boundary_faces(scene: Scene) -> np.ndarray:
     """Faces of all walls and solid bodies as segments (k, 2, 2) [m] with the fluid on the left of start → end."""
     walls = [segments_of(wall) for wall in scene.walls]
     bodies = [outline(body)[:, ::-1] for body in (scene.solid.bodies if scene.solid else [])]
     return np.concatenate([*walls, *bodies, np.empty((0, 2, 2))])
-
-
-def lay_ghosts(scene: Scene, support: float) -> Ghosts:
-    """Ghost layers of all walls and of all solid bodies, at the fluid's dx; where both lie the body owns."""
-    dx = scene.fluid.dx
-    bodies = scene.solid.bodies if scene.solid else []
-    parts = []
-    faces = {k: chain.segments for chain in chains(scene.walls, dx) for k in chain.owner}
-    for index, (wall, layers) in enumerate(zip(scene.walls, wall_particles(scene.walls, dx, support), strict=True)):
-        keep = within_period(scene, layers.position)
-        for body in bodies:
-            keep &= ~contains(body, layers.position)
-            keep &= distance_to(outline(body), layers.position) >= OWNED * dx
-        kind = FREE_SLIP if wall.slip == "free" else NO_SLIP
-        position = layers.position[keep]
-        parts.append(_part(position, layers.volume[keep], kind, index, wall_foot(faces[index], position)))
-    for index, body in enumerate(bodies):
-        dry = [clamp.face for clamp in scene.solid.clamps if clamp.body == body.name]
-        inside = body_ghosts(body, dx, support, dry)
-        keep = within_period(scene, inside.position)
-        position = inside.position[keep]
-        foot = wall_foot(outline_less(body, dry), position)
-        parts.append(_part(position, inside.volume[keep], STRUCTURE, index, foot))
-    if not parts:
-        return Ghosts(*_part(np.empty((0, 2)), np.empty(0), STRUCTURE, 0, np.empty((0, 2))))
-    return Ghosts(*(np.concatenate(column) for column in zip(*parts, strict=True)))
-
-
-def joints(chain: Chain, position: np.ndarray, owner: np.ndarray) -> Iterator[tuple[Ground, Ground, np.ndarray]]:
-    """Where segments meet: both, and the ghosts to which the corner is the nearest of the chain."""
-    faces = [Ground(int(k), face) for k, face in zip(chain.owner, chain.segments, strict=True)]
-    mine = np.flatnonzero(np.isin(owner, chain.owner))
-    nearest = distance_to(chain.segments, position[mine])
-    for first, second in itertools.pairwise([*faces, faces[0]] if chain.closed else faces):
-        arm = np.hypot(*(position[mine] - second.face[0]).T)
-        both = np.isin(owner[mine], (first.wall, second.wall))
-        yield first, second, mine[(arm <= nearest * (1.0 + _ROUNDING)) & both]
-
-
-def wall_foot(face: np.ndarray, points: np.ndarray) -> np.ndarray:
-    """Nearest points (n, 2) of a face (k, 2, 2) to `points` (n, 2)."""
-    nearest = np.full(len(points), np.inf)
-    foot = points.copy()
-    for start, end in face:
-        along = np.clip((points - start) @ (end - start) / np.sum((end - start) ** 2), 0.0, 1.0)
-        here = start + along[:, None] * (end - start)
-        distance = np.hypot(*(points - here).T)
-        closer = distance < nearest
-        nearest[closer], foot[closer] = distance[closer], here[closer]
-    return foot
-
-
-def _part(position, volume, kind, owner, foot):
-    n = len(position)
-    return position, volume, np.full(n, kind, dtype=np.int8), np.full(n, owner), foot

@@ -30,7 +30,8 @@ from fluid_solver.fields import (
     Y,
 )
 from fluid_solver.forces import make_forces
-from fluid_solver.initial import fluid_particles, lay_ghosts, sound_speed
+from fluid_solver.ghosts import lay_ghosts
+from fluid_solver.initial import fluid_particles
 from fluid_solver.integrate import advance_and_drift, keep_volume, kick, kick_and_drift, largest_of
 from fluid_solver.motion import GhostMotion, keep_room, place_ghosts
 from fluid_solver.observe import Observer
@@ -42,6 +43,7 @@ from fluid_solver.store import Store
 from fluid_solver.thin import refuse_thin
 from fluid_solver.walls import make_ghost_velocity, make_ghosts
 from shared.contract import Description, Frame, Kinematics, Loads
+from shared.expected_speed import sound_speed
 from shared.fluid_step import fluid_step
 from shared.jit import use_threads
 from shared.kernels import kernel_named
@@ -69,7 +71,7 @@ class ParticleFluid:
         self._ghost_velocity = make_ghost_velocity(kernel.code, viscous)
         self._ghost_sweep = make_ghosts(kernel.code, viscous)
         self.ghosts = lay_ghosts(scene, self.c.support)
-        water = fluid_particles(scene, self.c.c0, self.ghosts, kernel, self.c.h)
+        water = fluid_particles(scene, self.c.c0, self.ghosts)
         self.fluid_count = len(water.position)
         self._first = self.fluid_count  # id of the first ghost
         self._walls = self.ghosts.walls

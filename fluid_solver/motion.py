@@ -17,8 +17,8 @@ from scipy.spatial import cKDTree
 
 from fluid_solver.cells import BLOCK
 from fluid_solver.fields import AX, AY, FLUID, PARKED, X, Y
+from fluid_solver.ghosts import Ghosts, joints
 from fluid_solver.hermite import hermite
-from fluid_solver.initial import Ghosts, joints
 from shared.contract import Kinematics
 from shared.ghost_inertia import ghosts_feel_acceleration
 from shared.jit import inline_njit, njit, parallel_njit

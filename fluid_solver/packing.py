@@ -15,8 +15,10 @@ from collections.abc import Sequence
 import numpy as np
 from scipy.spatial import cKDTree
 
+from fluid_solver.ghosts import Ghosts
 from shared.geometry import distance_to, surroundings
-from shared.kernels import Kernel, evaluate
+from shared.kernels import Kernel, evaluate, kernel_named
+from shared.schema_fluid import Fluid
 from shared.schema_geometry import Body
 from shared.segments import directions, lengths, right_of
 
@@ -35,31 +37,20 @@ def slanted(faces: np.ndarray) -> np.ndarray:
     return faces[along.min(axis=1) > 1e-9 * along.max(axis=1)]
 
 
-def pack(
-    position: np.ndarray,
-    volume: np.ndarray,
-    bodies: Sequence[Body],
-    ghosts: tuple[np.ndarray, np.ndarray],
-    faces: np.ndarray,
-    kernel: Kernel,
-    h: float,
-    dx: float,
-) -> np.ndarray:
-    """`position` (n, 2) [m] of fluid particles of `volume` (n,) [m²], which fill `bodies`, packed near the slanted ones
-    of `faces`.
-
-    `faces` (k, 2, 2) have the fluid on the left of start → end; `ghosts`: position (m, 2) and volume (m,) of theirs.
-    """
+def pack(fluid: Fluid, position: np.ndarray, volume: np.ndarray, faces: np.ndarray, ghosts: Ghosts) -> np.ndarray:
+    """`position` (n, 2) [m] of particles of `volume` (n,) [m²], which fill the bodies of the `fluid`, packed near the
+    slanted ones of `faces`: (k, 2, 2) [m] with the fluid on the left of start → end."""
+    kernel, h, dx = kernel_named(fluid.kernel), fluid.h_over_dx * fluid.dx, fluid.dx
     position, cut, support = position.copy(), slanted(faces), kernel.support * h
     if len(cut) == 0 or len(position) == 0:
         return position
     reach = (REACH + 2.0) * support
     near = np.flatnonzero(distance_to(cut, position) < reach)
-    still = distance_to(cut, ghosts[0]) < reach
-    fluid, walls = position[near], ghosts[0][still]
-    air, emptied = _beyond_surfaces(bodies, np.concatenate([fluid, walls]), cut, reach, dx)
-    points = np.concatenate([fluid, air, walls])
-    volumes = np.concatenate([volume[near], emptied, ghosts[1][still]])
+    still = distance_to(cut, ghosts.position) < reach
+    water, walls = position[near], ghosts.position[still]
+    air, emptied = _beyond_surfaces(fluid.bodies, np.concatenate([water, walls]), cut, reach, dx)
+    points = np.concatenate([water, air, walls])
+    volumes = np.concatenate([volume[near], emptied, ghosts.volume[still]])
     far = distance_to(cut, points[: len(near) + len(air)])
     free = _near_surface(points, volumes, far < (REACH + 1.0) * support, kernel, h)
     moves = np.flatnonzero((far < REACH * support) & ~free)

@@ -15,7 +15,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from fluid_solver.fields import STRUCTURE
-from fluid_solver.initial import Ghosts, joints
+from fluid_solver.ghosts import Ghosts, joints
 from shared.geometry import distance_to
 from shared.schema import Scene
 from shared.segments import directions, right_of

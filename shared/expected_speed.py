@@ -15,13 +15,6 @@ from shared.schema_solid import RIGID_MODELS, Load, Solid, SolidBody
 from shared.segments import lengths
 from shared.wall_speeds import lasting_faces, pushing_speed
 
-NO_SPEED = (
-    'fluid.sound_speed = "auto": needs an expected speed, but the scene has no gravity, no initial velocity, nothing '
-    "whose motion is prescribed and no load on a body that is free to move; give fluid.sound_speed in m/s, ten times "
-    "the largest speed you expect"
-)
-"""What is wrong where the expected speed is 0."""
-
 _UPRIGHT = 1e-6  # sine of a slope up to which a face is upright
 MACH = 0.1  # largest expected speed over the automatic sound speed: density varies by 1 %
 

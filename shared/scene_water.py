@@ -4,10 +4,16 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator
 
-from shared.expected_speed import NO_SPEED, expected_speed
+from shared.expected_speed import expected_speed
 from shared.schema import Scene
 from shared.thin_walls import THINNEST, thin_walls
 from shared.wetted_faces import wet_links, why_no_columns
+
+_NO_SPEED = (
+    'fluid.sound_speed = "auto": needs an expected speed, but the scene has no gravity, no initial velocity, nothing '
+    "whose motion is prescribed and no load on a body that is free to move; give fluid.sound_speed in m/s, ten times "
+    "the largest speed you expect"
+)
 
 
 def _sound_speed(scene: Scene) -> Iterator[str]:
@@ -17,7 +23,7 @@ def _sound_speed(scene: Scene) -> Iterator[str]:
         return
     silent = fluid.model == "still" or (fluid.model == "column" and not fluid.column.compressible)
     if not silent and expected_speed(scene) == 0.0:
-        yield NO_SPEED
+        yield _NO_SPEED
 
 
 def _columns(scene: Scene) -> Iterator[str]:

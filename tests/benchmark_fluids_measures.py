@@ -10,7 +10,7 @@ from pathlib import Path
 import numpy as np
 from scipy.spatial import cKDTree
 
-from fluid_solver.initial import sound_speed
+from shared.expected_speed import sound_speed
 from shared.probes import read_probes
 from shared.schema import Scene
 from shared.statistics import statistic

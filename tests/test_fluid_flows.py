@@ -4,7 +4,8 @@ import numpy as np
 import pytest
 
 from fluid_solver.fields import FLUID, M, P, U, V, X, Y
-from fluid_solver.initial import fluid_particles, lay_ghosts
+from fluid_solver.ghosts import lay_ghosts
+from fluid_solver.initial import fluid_particles
 from fluid_solver.models import make_model
 from shared.contract import BadInput, Kinematics
 from shared.kernels import kernel_named
@@ -100,7 +101,7 @@ def test_shaken_particles_carry_the_mass_and_stay_near_their_places():
     case = scene([{"name": "water", "rectangle": (0.0, 0.0, 0.1, 0.1)}], shake=0.2, initial_pressure="zero")
     still = case.model_copy(update={"fluid": case.fluid.model_copy(update={"shake": 0.0})})
     kernel, h = kernel_named(case.fluid.kernel), case.fluid.h_over_dx * case.fluid.dx
-    shaken, rest = (fluid_particles(one, 10.0, lay_ghosts(one, kernel.support * h), kernel, h) for one in (case, still))
+    shaken, rest = (fluid_particles(one, 10.0, lay_ghosts(one, kernel.support * h)) for one in (case, still))
     moved = np.abs(shaken.position - rest.position).max()
     assert 0.1 * 0.01 < moved <= 0.2 * 0.01
     assert np.array_equal(shaken.mass, rest.mass)

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from fluid_solver.fields import AX, AY, FLUID, RHO, STRUCTURE, P, U, X, Y
-from fluid_solver.initial import lay_ghosts
+from fluid_solver.ghosts import lay_ghosts
 from fluid_solver.models import make_model
 from fluid_solver.motion import GhostMotion, WallMotion, structure_pose
 from fluid_solver.wall_forces import WallForces

@@ -5,7 +5,8 @@ import pytest
 from scipy.spatial import cKDTree
 
 from fluid_solver import initial
-from fluid_solver.initial import fluid_particles, lay_ghosts, wetted_faces
+from fluid_solver.ghosts import lay_ghosts
+from fluid_solver.initial import boundary_faces, fluid_particles
 from fluid_solver.packing import CLEAR, slanted
 from shared.geometry import distance_to
 from shared.kernels import kernel_named
@@ -27,17 +28,16 @@ def over_a_ridge(h_over_dx=2.0, model="wcsph"):
 
 def laid(case):
     """Fluid and ghosts of a scene at t = 0."""
-    h = case.fluid.h_over_dx * case.fluid.dx
-    ghosts = lay_ghosts(case, KERNEL.support * h)
-    return fluid_particles(case, 20.0, ghosts, KERNEL, h), ghosts
+    ghosts = lay_ghosts(case, KERNEL.support * (case.fluid.h_over_dx * case.fluid.dx))
+    return fluid_particles(case, 20.0, ghosts), ghosts
 
 
 def test_particles_stand_evenly_off_a_slope(monkeypatch):
     case = over_a_ridge(1.3)
     packed, ghosts = laid(case)
-    monkeypatch.setattr(initial, "pack", lambda position, *_: position)
+    monkeypatch.setattr(initial, "pack", lambda fluid, position, *_: position)
     lattice, _ = laid(case)
-    slopes = slanted(wetted_faces(case))
+    slopes = slanted(boundary_faces(case))
     assert len(slopes) == 2
     gaps = [distance_to(slopes, one.position).min() / DX for one in (lattice, packed)]
     assert gaps[0] < 0.3
@@ -55,7 +55,7 @@ def test_particles_stand_evenly_off_a_slope(monkeypatch):
 
 def test_a_lattice_that_fits_its_faces_stays():
     case = scene([{"name": "water", "rectangle": (0.0, 0.0, 0.2, 0.1)}], dx=0.01)
-    assert len(slanted(wetted_faces(case))) == 0
+    assert len(slanted(boundary_faces(case))) == 0
 
 
 @pytest.mark.parametrize("h_over_dx", [1.3, 2.0])
