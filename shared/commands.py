@@ -15,7 +15,7 @@ from rich.table import Table
 
 from shared.contract import ShearwaterError
 from shared.record import Record
-from shared.results import loss, missed
+from shared.results import loss, missed, unsettled
 from shared.scene import scene_warnings
 from shared.schema import Scene
 from shared.start import INTERRUPTED, on_stop_signals
@@ -89,7 +89,7 @@ def conclude(record: Record, quiet: bool) -> None:
     """Print the probes against their references, the cost, and where everything is; even if `quiet`, what is
     missing."""
     result = record.result
-    for wrong in filter(None, (loss(result), missed(result))):
+    for wrong in filter(None, (loss(result), unsettled(result), missed(result))):
         say(f"warning: {wrong}")
     if quiet:
         return

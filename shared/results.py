@@ -138,6 +138,18 @@ def loss(result: Mapping[str, Any]) -> str:
     )
 
 
+def unsettled(result: Mapping[str, Any]) -> str:
+    """One sentence about windows that were accepted before they had converged; empty where all had."""
+    coupling = result["cost"].get("coupling") or {}
+    if not coupling.get("not_converged"):
+        return ""
+    return (
+        f"{coupling['not_converged']} of {coupling['windows']} coupling windows were accepted before they had "
+        f"converged, their loads still changing by up to {coupling['change_left']:.2g} of themselves: what comes of "
+        "these windows is as unsure. Shorten coupling.window, or raise coupling.max_iterations."
+    )
+
+
 def missed(result: Mapping[str, Any]) -> str:
     """One sentence about a goal that the run has no value of; empty where it has one, or there is no goal."""
     goal = result.get("goal")

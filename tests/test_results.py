@@ -353,6 +353,18 @@ def test_result_file_is_strict_json_and_replaced_whole(tmp_path, monkeypatch):
     assert json.loads(path.read_text()) == read  # the earlier file is untouched
 
 
+def test_windows_accepted_unconverged_are_said_where_a_run_ends(tmp_path, capsys):
+    coupling = {"scheme": "serial-implicit", "windows": 50, "not_converged": 3, "change_left": 0.127}
+    said = []
+    for more in ({}, {"not_converged": 0, "change_left": 0.0}):
+        found = result(tmp_path, cost={"wall_s": 1.0, "core_s": 1.0, "fluid": SIDE, "coupling": coupling | more})
+        conclude(SimpleNamespace(result=found, run_dir=tmp_path, pictures=[]), True)
+        said.append(capsys.readouterr().err)
+    assert said[0].startswith("warning: 3 of 50 coupling windows were accepted before they had converged")
+    assert "up to 0.13 of themselves" in said[0]
+    assert said[1] == ""
+
+
 def test_environment_names_what_a_result_depends_on():
     found = environment({"fluid": 2})
     assert set(found["versions"]) == {"python", "sources", "shearwater", "numpy", "numba", "h5py", "zenoh"}
