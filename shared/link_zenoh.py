@@ -23,6 +23,7 @@ waits.
 from __future__ import annotations
 
 import contextlib
+import math
 import os
 import socket
 import threading
@@ -36,6 +37,7 @@ import zenoh
 from shared.awake import PAUSE_S, awake
 from shared.contract import ParticipantLost, ShearwaterError
 from shared.slices import SHORTEST, set_slice
+from shared.streams import say
 
 # One thread for all of zenoh's own work instead of one for each kind of it, through which every message is handed on: a
 # third off a round trip of 100 kB (0.25 to 0.17 ms), and fewer threads beside those that compute. Read when the first
@@ -47,6 +49,7 @@ CONNECT_TIMEOUT_S = 20.0
 HEARTBEAT_PERIOD_S = 1.0
 _SILENT_AFTER_S = PAUSE_S + 2.0 * HEARTBEAT_PERIOD_S  # the supervisor, who knows more, is to speak first
 _BROKEN_AFTER_S = 2.0  # a process that ends closes its connection first
+_SAY_AFTER_S = 60.0  # who waits longer for a participant to connect is told what for
 _FIRST_STEP_WITHIN_S = 900.0  # a first run compiles, on a busy machine for minutes
 _POLL_S = 0.2
 _HEED_SIGNALS_EVERY_S = 1.0
@@ -193,15 +196,24 @@ class ZenohLink:
 
     def wait_connected(self, timeout: float) -> None:
         """Wait until the participant has connected; raises ParticipantLost after `timeout` [s]."""
-        deadline = awake() + timeout
+        deadline, say_at = awake() + timeout, awake() + _SAY_AFTER_S
         while not self._connected.wait(_POLL_S):
             self._alive()
+            if awake() > say_at:
+                say(
+                    f"waiting for the {self.name} participant, for {timeout:g} s at most: its process runs, and has "
+                    f"not yet declared its liveliness token {self._token}"
+                )
+                say_at = math.inf
             if self._heard is not None and awake() - self._heard > _SILENT_AFTER_S:
                 raise ParticipantLost(
                     f"the {self.name} participant sends heartbeats, and has declared no liveliness token {self._token}"
                 )
             if awake() > deadline:
-                raise ParticipantLost(f"the {self.name} participant did not connect within {timeout:g} s")
+                raise ParticipantLost(
+                    f"the {self.name} participant did not connect within {timeout:g} s: its process runs, and has "
+                    f"declared no liveliness token {self._token}"
+                )
 
     def send(self, request: bytes) -> None:
         """Send a request."""
