@@ -2,32 +2,33 @@
 
 from __future__ import annotations
 
-import os
 from pathlib import Path
 
 from shared.checkpoint import AGAIN
 from shared.contract import BadInput
+from shared.streams import say
 
 
 class Lines:
     """The text file `path`, new, or gone on with behind its first `kept` lines, which are then `first`.
 
     What such a file holds beyond them goes with the first line written, not before. `buffering` as of `open`. Raises
-    BadInput where the file does not hold so many lines.
+    BadInput where the file does not hold so many lines. A file that another program has cut or removed meanwhile is
+    told of when it is closed.
     """
 
     def __init__(self, path: Path, kept: int | None = None, buffering: int = -1):
         self._path, self._buffering = path, buffering
         self.first = [] if kept is None else _first_lines(path, kept)
         self._size = sum(len(line.encode()) for line in self.first)
-        self._file = self._open("w") if kept is None else None
+        self._file = self._open() if kept is None else None
 
     def write(self, line: str) -> None:
         """Add a line; raises OSError."""
         if self._file is None:
-            os.truncate(self._path, self._size)
-            self._file = self._open("a")
+            self._file = self._open()
         self._file.write(line + "\n")
+        self._size += len(line.encode()) + 1
 
     def flush(self) -> None:
         """Bring all lines to the disk."""
@@ -36,11 +37,22 @@ class Lines:
 
     def close(self) -> None:
         """Close the file."""
-        if self._file is not None:
-            self._file.close()
+        if self._file is None or self._file.closed:
+            return
+        self._file.close()
+        left = self._path.stat().st_size if self._path.exists() else 0
+        if left < self._size and self._path.parent.exists():  # a folder that is gone is told of by who writes there
+            say(
+                f"warning: {self._path} holds {left} bytes, and {self._size} were written to it: another program has "
+                "removed it or cut it short since the run began, and its lines are lost."
+            )
 
-    def _open(self, mode: str):
-        return self._path.open(mode, buffering=self._buffering, newline="\n", encoding="utf-8")
+    def _open(self):
+        """The file as it was after `_size` bytes; what is added stands at its end, wherever others put that."""
+        file = self._path.open("a", buffering=self._buffering, newline="\n", encoding="utf-8")
+        if file.tell() > self._size:
+            file.truncate(self._size)
+        return file
 
 
 def _first_lines(path: Path, count: int) -> list[str]:

@@ -25,6 +25,8 @@ def cannot_write(what: str, path: Path, error: Exception, instead: str = "") -> 
         return ShearwaterError(f"{what} {path} cannot be written: {limit}")
     if gone:
         why = f"{gone[-1]} is gone, removed or moved after the run began. Run again, and leave its folder where it is."
+    elif getattr(error, "errno", None) in (errno.ENOENT, errno.ESTALE):
+        why = "Another program has removed it or cut it short. To go on, move aside what is left of it."
     else:
         why = "The disk may be full or the folder not writable: free some space"
         why += f"{instead} or choose another place with --out DIR."

@@ -21,6 +21,7 @@ reserved first, so that a full disk ends the run with its earlier frames intact.
 
 from __future__ import annotations
 
+import errno
 import os
 from pathlib import Path
 
@@ -57,6 +58,8 @@ class FrameWriter:
     def append(self, time: float, frame: Frame) -> None:
         """Add a snapshot at `time` [s] and bring it to the disk; all frames carry the same fields."""
         try:
+            if not self._fresh:
+                _check_whole(self._file, self.path)
             _reserve(self._file, self.path, frame)
             if "Steps" not in self._root:
                 _create(self._root, frame)
@@ -111,6 +114,13 @@ def check_frames(path: Path) -> None:
         read_frame(path)
     except BadInput as error:
         raise _cannot_go_on(path, error) from None
+
+
+def _check_whole(file: h5py.File, path: Path) -> None:
+    """See that the file is as long as the last frame left it; OSError if not: HDF5 would fill the hole with zeros."""
+    left, written = path.stat().st_size, file.id.get_filesize()
+    if left < written:
+        raise OSError(errno.ESTALE, f"{left} of its {written} bytes are left")
 
 
 def _reserve(file: h5py.File, path: Path, frame: Frame) -> None:

@@ -175,6 +175,24 @@ def test_probe_rows_are_on_disk_at_once_and_exact(tmp_path):
         ProbeTable(tmp_path / "missing" / "probes.csv", {})
 
 
+@pytest.mark.parametrize(
+    "harm", [lambda path: path.unlink(), lambda path: os.truncate(path, 20), lambda path: os.truncate(path, 0)]
+)
+def test_lines_that_another_program_took_are_told_of(tmp_path, capsys, harm):
+    """They were not: the run had finished, with zeros where its lines had been, or with no table at all."""
+    path = tmp_path / "probes.csv"
+    with ProbeTable(path, {"mid_y": "m"}) as table:
+        table.append(0.1, {"mid_y": 1.0})
+        table.append(0.2, {"mid_y": 2.0})
+        harm(path)
+        table.append(0.3, {"mid_y": 3.0})
+    assert capsys.readouterr().err.startswith(f"warning: {path} holds ")
+    assert not path.exists() or b"\0" not in path.read_bytes()
+    with ProbeTable(path, {"mid_y": "m"}) as table:
+        table.append(0.1, {"mid_y": 1.0})
+    assert capsys.readouterr().err == ""
+
+
 @pytest.mark.skipif(not Path("/dev/full").exists(), reason="no /dev/full on this system")
 def test_full_disk_is_explained():
     with pytest.raises(ShearwaterError, match="disk may be full"):
@@ -335,6 +353,18 @@ def test_lost_fluid_is_said_where_a_run_ends(tmp_path, capsys, quiet):
     assert said[1:] == ["", ""]
 
 
+def test_windows_accepted_unconverged_are_said_where_a_run_ends(tmp_path, capsys):
+    coupling = {"scheme": "serial-implicit", "windows": 50, "not_converged": 3, "change_left": 0.127}
+    said = []
+    for more in ({}, {"not_converged": 0, "change_left": 0.0}):
+        found = result(tmp_path, cost={"wall_s": 1.0, "core_s": 1.0, "fluid": SIDE, "coupling": coupling | more})
+        conclude(SimpleNamespace(result=found, run_dir=tmp_path, pictures=[]), True)
+        said.append(capsys.readouterr().err)
+    assert said[0].startswith("warning: 3 of 50 coupling windows were accepted before they had converged")
+    assert "up to 0.13 of themselves" in said[0]
+    assert said[1] == ""
+
+
 def test_result_file_is_strict_json_and_replaced_whole(tmp_path, monkeypatch):
     found = result(tmp_path, cost={"wall_s": np.float64(1.5), "core_s": math.nan}, preflight={"mach": math.inf})
     path = write_result(tmp_path, found)
@@ -351,18 +381,6 @@ def test_result_file_is_strict_json_and_replaced_whole(tmp_path, monkeypatch):
     with pytest.raises(ShearwaterError, match="No space left"):
         write_result(tmp_path, {"schema": 1})
     assert json.loads(path.read_text()) == read  # the earlier file is untouched
-
-
-def test_windows_accepted_unconverged_are_said_where_a_run_ends(tmp_path, capsys):
-    coupling = {"scheme": "serial-implicit", "windows": 50, "not_converged": 3, "change_left": 0.127}
-    said = []
-    for more in ({}, {"not_converged": 0, "change_left": 0.0}):
-        found = result(tmp_path, cost={"wall_s": 1.0, "core_s": 1.0, "fluid": SIDE, "coupling": coupling | more})
-        conclude(SimpleNamespace(result=found, run_dir=tmp_path, pictures=[]), True)
-        said.append(capsys.readouterr().err)
-    assert said[0].startswith("warning: 3 of 50 coupling windows were accepted before they had converged")
-    assert "up to 0.13 of themselves" in said[0]
-    assert said[1] == ""
 
 
 def test_environment_names_what_a_result_depends_on():

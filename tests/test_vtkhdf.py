@@ -1,5 +1,6 @@
 """The frame files: what is written is what is read, by h5py and by VTK's own reader, also after a kill."""
 
+import os
 import signal
 import subprocess
 import sys
@@ -188,6 +189,19 @@ def test_full_disk_is_explained_and_leaves_earlier_frames(tmp_path):
     instant, frame = read_frame(path)
     assert instant == written
     np.testing.assert_array_equal(frame.fields["speed"], instant)
+
+
+@pytest.mark.parametrize("harm", [lambda path: path.unlink(), lambda path: os.truncate(path, 100)])
+def test_frames_that_another_program_took_end_the_run(tmp_path, harm):
+    """The next frame filled the hole with zeros: the run had finished, with a file that nothing could read."""
+    path = tmp_path / "fluid.vtkhdf"
+    points = Frame(np.zeros((3, 2)), {})
+    with FrameWriter(path) as writer:
+        writer.append(0.0, points)
+        writer.append(1.0, points)
+        harm(path)
+        with pytest.raises(ShearwaterError, match=r"fluid\.vtkhdf .*\[Errno .* Another program has removed it or cut"):
+            writer.append(2.0, points)
 
 
 def test_refusals(tmp_path):
