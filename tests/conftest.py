@@ -2,9 +2,13 @@
 
 from __future__ import annotations
 
+import importlib
+import sys
+
 import numpy as np
 import pytest
 
+import shared.commands
 from shared.contract import Description, Frame, Kinematics, Loads
 
 
@@ -122,3 +126,19 @@ def toy_spring():
 @pytest.fixture
 def toy_weight():
     return ToyWeight
+
+
+@pytest.fixture
+def command(monkeypatch, capsys, tmp_path):
+    """Runs `program words …` in this process and in an empty folder; returns exit code, standard output and errors."""
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setattr(shared.commands, "on_stop_signals", lambda handler: None)
+
+    def run(program, *words):
+        main = importlib.import_module(f"{program}.cli").main
+        monkeypatch.setattr(sys, "argv", [program, *map(str, words)])
+        with pytest.raises(SystemExit) as end:
+            main()
+        return end.value.code, *capsys.readouterr()
+
+    return run

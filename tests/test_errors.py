@@ -15,16 +15,13 @@ from importlib.resources import files
 
 import pytest
 
-import coupler.cli
-import fluid_solver.cli
 import shared.commands
 import shared.solo
-import solid_solver.cli
 from coupler.report import write_report
 from shared.results import read_result
 from tests.scenes import tiny_coupled
 
-MAINS = {"coupler": coupler.cli.main, "fluid_solver": fluid_solver.cli.main, "solid_solver": solid_solver.cli.main}
+PROGRAMS = ("coupler", "fluid_solver", "solid_solver")
 FIVE_MISTAKES = """\
 schema = 1
 title = "Five mistakes"
@@ -48,18 +45,13 @@ FOUND = ("gravty", "end_time = -1.0", "did you mean 'wcsph'", "overlaps", "no cl
 
 
 @pytest.fixture
-def command(monkeypatch, capsys, tmp_path):
-    """Runs `program run CASE …` in this process and in an empty folder; returns exit code and error text."""
-    monkeypatch.chdir(tmp_path)
-    monkeypatch.setattr(shared.commands, "on_stop_signals", lambda handler: None)
+def command(command):
+    """Runs `program run CASE …`; returns exit code and error text."""
 
     def run(program, *words):
-        monkeypatch.setattr(sys, "argv", [program, "run", *map(str, words)])
-        with pytest.raises(SystemExit) as end:
-            MAINS[program]()
-        errors = capsys.readouterr().err
+        code, _, errors = command(program, "run", *words)
         assert "Traceback" not in errors
-        return end.value.code, errors
+        return code, errors
 
     return run
 
@@ -90,7 +82,7 @@ def processes_naming(text) -> list[str]:
     ]
 
 
-@pytest.mark.parametrize("program", MAINS)
+@pytest.mark.parametrize("program", PROGRAMS)
 def test_five_mistakes_are_five(command, tmp_path, program):
     scene = tmp_path / "five.toml"
     scene.write_text(FIVE_MISTAKES)
@@ -101,7 +93,7 @@ def test_five_mistakes_are_five(command, tmp_path, program):
     assert os.listdir(tmp_path) == ["five.toml"]
 
 
-@pytest.mark.parametrize("program", MAINS)
+@pytest.mark.parametrize("program", PROGRAMS)
 def test_missing_and_unreadable_files(command, tmp_path, program):
     assert command(program, "nowhere.toml")[0] == 2
     code, errors = command(program, "udl_bean")

@@ -14,14 +14,13 @@ from pathlib import Path
 
 import pytest
 
-from coupler.preflight.numbers import scene_numbers
-from coupler.preflight.rules import findings
 from coupler.run import run_coupled
 from fluid_solver.models import make_model as make_fluid
 from shared.contract import BadInput, ShearwaterError
 from shared.scene import load_scene, shipped_cases
 from shared.solo import run_alone
 from solid_solver.models import make_model as make_solid
+from tests.preflights import verdicts_of
 
 
 @dataclass(frozen=True)
@@ -195,7 +194,7 @@ ENDING = [pytest.param(m, id=m.name) for m in MODES if m.said]
 
 def verdict(mode: Mode, sets) -> str | None:
     scene = load_scene(mode.case, sets)
-    found = {f.rule: f.verdict for f in findings(scene, scene_numbers(scene))}
+    found = verdicts_of(scene)
     return found.get(mode.flagged)
 
 

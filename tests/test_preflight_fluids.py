@@ -7,15 +7,14 @@ from types import SimpleNamespace
 
 import pytest
 
-from coupler.preflight.error import error_bound
 from coupler.preflight.ladder import ladder, smallest
 from coupler.preflight.numbers import scene_numbers
-from coupler.preflight.rules import findings
 from fluid_solver.models import make_model
 from shared.commands import conclude
 from shared.contract import BadInput, Kinematics
 from shared.probes import ProbeTable, probe_units
 from shared.results import make_result
+from tests.preflights import bound_of, verdicts_of
 from tests.scenes import SPRUNG, scene_of
 
 TANK = """\
@@ -166,7 +165,7 @@ def test_what_moves_in_the_water_tells_its_sound_speed(tmp_path, moves, sets, sp
     assert water.speed == pytest.approx(speed)
     assert make_model(scene, True, 1).describe().numbers["sound_speed"] == pytest.approx(10.0 * speed)
     slow = scene_of(BLOCK.replace("MOVES", moves), tmp_path, [*sets, f"fluid.sound_speed={speed}"])
-    assert {f.rule: f.verdict for f in findings(slow, scene_numbers(slow))}["Mach"] == "refuse"
+    assert verdicts_of(slow)["Mach"] == "refuse"
 
 
 def test_water_in_which_a_body_drifts_does_not_rest(tmp_path):
@@ -241,10 +240,10 @@ AT_REST = ["fluid.column={ far_end = 'open', compressible = false }", "end_time=
 def test_pressures_at_few_points_bend_a_plate_more(tmp_path, model, dx, error):
     """Runs against ρ g H⁵/30 D and its shear, ρ g H³/6 κ G t; the force is right to 0.02 %."""
     scene = scene_of(MERCURY, tmp_path, [f"fluid.model={model}", f"fluid.dx={dx}", *AT_REST])
-    assert error <= error_bound(scene, scene_numbers(scene)) <= max(4.0 * error, 0.01)
+    assert error <= bound_of(scene) <= max(4.0 * error, 0.01)
     force = 'probes=[{ name = "tip", quantity = "force-x", body = "sheet" }]'
     scene = scene_of(MERCURY, tmp_path, [f"fluid.dx={dx}", force])
-    assert error_bound(scene, scene_numbers(scene)) < 0.006  # of it the beam 0.3 %
+    assert bound_of(scene) < 0.006  # of it the beam 0.3 %
 
 
 def test_pressures_at_few_points_are_refined_for_a_tighter_goal(tmp_path):

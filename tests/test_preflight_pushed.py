@@ -12,6 +12,7 @@ from coupler.preflight.ladder import ladder
 from coupler.preflight.numbers import scene_numbers
 from coupler.preflight.pressed import law_error
 from coupler.preflight.rules import findings
+from tests.preflights import verdicts_of
 from tests.scenes import scene_of
 from tests.test_preflight_structures import AT_ONE_END, CLAMPED
 
@@ -102,7 +103,7 @@ def test_a_pressed_cantilever_is_soft_and_buckles(tmp_path, share, verdict):
     loads += ', { body = "plate", face = "top", traction = [0.0, 0.01] }'
     scene, n = numbers(tmp_path, *AT_ONE_END, f"solid.loads=[{loads}]")
     assert n.plate.squeeze == pytest.approx(share)
-    assert {f.rule: f.verdict for f in findings(scene, n)}.get("Euler") == verdict
+    assert verdicts_of(scene).get("Euler") == verdict
     if share > 1.0:
         assert math.isinf(error_bound(scene, n))
         assert any("buckles" in rung.reason for rung in ladder(scene))
@@ -127,7 +128,7 @@ def test_a_gel_pressed_by_its_weight_feels_the_law_of_its_model(tmp_path, modulu
     that bears 0.192."""
     sets = (*GEL, "solid.loads=[]", "gravity=[0.0, -9.81]", "solid.dx=0.03125", "solid.poisson_ratio=0.2")
     scene, n = numbers(tmp_path, *sets, f"solid.youngs_modulus={modulus}", f"solid.model={model}")
-    assert {f.rule: f.verdict for f in findings(scene, n)}.get("strain") == verdict
+    assert verdicts_of(scene).get("strain") == verdict
     assert error <= of_structure(scene, n) <= 4.0 * error
 
 

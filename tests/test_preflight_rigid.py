@@ -11,7 +11,6 @@ from coupler.preflight.error_lattice import HELD
 from coupler.preflight.error_solid import swing_in_a_mean
 from coupler.preflight.ladder import ladder
 from coupler.preflight.numbers import scene_numbers
-from coupler.preflight.rules import findings
 from coupler.preflight.swing import swing
 from coupler.preflight.window import expected_plan
 from coupler.window import make_plan, mass_ratio
@@ -19,6 +18,7 @@ from fluid_solver.models import make_model as make_fluid
 from shared.contract import BadInput
 from shared.scene import load_scene, scene_warnings
 from solid_solver.models import make_model as make_solid
+from tests.preflights import bound_of, said_of
 from tests.scenes import scene_of
 
 RAFT = """\
@@ -158,7 +158,7 @@ def test_buoyancy_holds_a_raft_that_no_spring_does(tmp_path):
 def test_a_sprung_body_under_water_swings_with_the_water_round_it(tmp_path):
     """Found: 6.9 % of its rest left in the mean, where the dry body's swing would have been over."""
     scene = scene_of(BLOCK.replace("LOADS", "force"), tmp_path)
-    assert 0.069 < error_bound(scene, scene_numbers(scene)) < 4 * 0.069
+    assert 0.069 < bound_of(scene) < 4 * 0.069
 
 
 def test_pressures_over_the_faces_of_a_body_under_water_have_no_bound(tmp_path):
@@ -174,9 +174,9 @@ def test_water_under_pressure_holds_a_block_that_moves_in_it(tmp_path):
     deep = BLOCK.replace("LOADS", "force").replace("0.3]", "0.62]").replace("0.4]", "0.8]")
     few = scene_of(deep, tmp_path, ["fluid.h_over_dx=1.3"])
     many = scene_of(deep, tmp_path, ["fluid.h_over_dx=2.0"])
-    assert 0.25 < error_bound(few, scene_numbers(few)) < 4 * 0.25
-    assert 0.12 < error_bound(many, scene_numbers(many)) < 4 * 0.12
-    said = {finding.rule: finding for finding in findings(few, scene_numbers(few))}["water's hold"]
+    assert 0.25 < bound_of(few) < 4 * 0.25
+    assert 0.12 < bound_of(many) < 4 * 0.12
+    said = said_of(few)["water's hold"]
     assert said.verdict == "warn"
     assert "fluid.h_over_dx = 2.0" in said.way_out
     sideways = scene_of(deep, tmp_path, ["probes[0].quantity=displacement-x"])
@@ -206,11 +206,11 @@ def test_what_a_prescribed_motion_drives_is_no_water_at_rest(tmp_path):
     assert expected_plan(scene, numbers).scheme == "serial-explicit"
     assert error_bound(scene, numbers) > 0.2
     assert {"still + rigid", "column + rigid"}.isdisjoint(bounds(scene))
-    said = {finding.rule: finding for finding in findings(scene, numbers)}["h/dx"]
+    said = said_of(scene)["h/dx"]
     assert (said.verdict, said.way_out) == ("warn", "fluid.h_over_dx = 2.0")
     loose = scene_of(PADDLE, tmp_path, ["fluid.h_over_dx=2.0"])
-    assert 0.04 < error_bound(loose, scene_numbers(loose)) < 0.16
-    assert {finding.rule: finding for finding in findings(loose, scene_numbers(loose))}["h/dx"].verdict == "ok"
+    assert 0.04 < bound_of(loose) < 0.16
+    assert said_of(loose)["h/dx"].verdict == "ok"
 
 
 def test_an_incompressible_column_needs_no_sound_speed():

@@ -15,6 +15,7 @@ from shared.scene import load_scene
 from shared.solid_step import LATTICE_SHARE, lattice_step
 from shared.solo import run_alone
 from solid_solver.models import make_model
+from tests.preflights import bound_of, said_of
 from tests.scenes import scene_of
 
 RINGING = ("solid.model=beam", "solid.damping=0")
@@ -99,7 +100,7 @@ TALL = "solid.bodies.plate.rectangle=[0.0, 0.0, {}, 0.1]"
 
 def bound(case, *sets):
     scene = load_scene(case, sets)
-    return error_bound(scene, scene_numbers(scene))
+    return bound_of(scene)
 
 
 @pytest.mark.parametrize(("sets", "damped"), [((), True), ((STRAIN_ENERGY, "references=[]"), False)])
@@ -118,7 +119,7 @@ def test_a_swing_leaves_at_most_its_bound_in_a_mean(tmp_path, periods):
     scene = load_scene("udl_beam", [*RINGING, *times, "output.frames=1"])
     record = run_alone(scene, "swing", "solid", make_model, tmp_path / "run", 1, True)
     error = abs(record.result["references"][0]["error"])
-    assert error <= error_bound(scene, scene_numbers(scene)) <= 1.2 * error
+    assert error <= bound_of(scene) <= 1.2 * error
 
 
 def test_a_value_at_the_end_feels_the_phase():
@@ -149,7 +150,7 @@ def test_a_period_needs_two_of_them(mode, refused):
     sets = ["goal.statistic=period", "end_time=0.2", f"solid.bodies[0].velocity_mode.mode={mode}"]
     scene = load_scene("oscillating_plate", sets)
     numbers = scene_numbers(scene)
-    found = {f.rule: f for f in findings(scene, numbers)}["periods seen"]
+    found = said_of(scene)["periods seen"]
     assert (found.verdict == "refuse") == math.isinf(error_bound(scene, numbers)) == refused
     assert ("end_time = " in found.way_out) == refused
 
@@ -159,8 +160,8 @@ def test_the_body_that_the_goal_asks_about_is_judged(tmp_path):
     scene = scene_of(TWO_BODIES, tmp_path)
     plate = scene_numbers(scene).plate
     assert (plate.name, plate.thickness, plate.thinnest) == ("bracket", 0.06, pytest.approx(0.02))
-    assert 0.0172 <= error_bound(scene, scene_numbers(scene)) <= 0.04
-    assert {f.rule: f.value for f in findings(scene, scene_numbers(scene))}["particles across"] == pytest.approx(4.0)
+    assert 0.0172 <= bound_of(scene) <= 0.04
+    assert said_of(scene)["particles across"].value == pytest.approx(4.0)
 
 
 def test_three_times_as_long_as_thick_is_three_times():

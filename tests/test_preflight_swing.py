@@ -15,6 +15,7 @@ from coupler.preflight.ladder import ladder
 from coupler.preflight.numbers import scene_numbers
 from coupler.preflight.swing import radiates, swing
 from shared.scene import load_scene
+from tests.preflights import bound_of
 from tests.scenes import scene_of
 
 FLOOR = """\
@@ -119,7 +120,7 @@ def test_bounds_hold_what_a_floor_under_water_does(tmp_path, sets, error):
     """Bound at least the error, at most four times it. Sound that crosses late, a swing that water of particles keeps,
     an echo: none was counted."""
     scene = floor(tmp_path, *sets)
-    assert error <= error_bound(scene, scene_numbers(scene)) <= 4.0 * error
+    assert error <= bound_of(scene) <= 4.0 * error
 
 
 @pytest.mark.parametrize(
@@ -136,10 +137,10 @@ def test_bounds_hold_what_artificial_viscosity_drags_along_with_a_plate(tmp_path
     """Found: 0.6 % with alpha = 0.01."""
     spacing = ["fluid.dx=0.005", "solid.dx=0.005"]
     scene = floor(tmp_path, *PLATE, *spacing, *sets)
-    bound = error_bound(scene, scene_numbers(scene))
+    bound = bound_of(scene)
     assert error <= bound <= 4.0 * error
     thin = floor(tmp_path, *PLATE, *spacing, *sets, "fluid.alpha=0.01")
-    assert error_bound(thin, scene_numbers(thin)) < 0.6 * bound
+    assert bound_of(thin) < 0.6 * bound
 
 
 def test_damping_holds_the_plate_and_not_its_water(tmp_path):

@@ -14,6 +14,7 @@ from coupler.preflight.error import error_bound
 from coupler.preflight.ladder import ladder
 from coupler.preflight.numbers import scene_numbers
 from coupler.preflight.rules_joint import helmholtz
+from tests.preflights import bound_of
 from tests.scenes import scene_of
 
 GATE = """\
@@ -99,7 +100,7 @@ def test_a_gate_moves_the_water_that_gives_way_upward(tmp_path, length):
 
 def test_a_gate_that_water_reaches_half_up_is_beside_it_too(tmp_path):
     scene = gate(tmp_path, 0.6, "fluid.bodies.water.rectangle=[0.0, 0.0, 0.6, 0.1]", "fluid.model=column")
-    assert error_bound(scene, scene_numbers(scene)) == math.inf
+    assert bound_of(scene) == math.inf
 
 
 def test_a_dam_is_not_refused_for_the_length_of_its_reservoir(tmp_path):
@@ -115,11 +116,11 @@ def test_columns_beside_an_upright_plate_do_not_level_out(tmp_path, low, error):
     """Found: 3.5 and 3.9 % under bounds of 2.2 and 1.6 %."""
     sets = [*LEVELS, f"fluid.bodies.low.rectangle=[0.23, 0.0, 0.43, {low}]"]
     scene = gate(tmp_path, 0.43, *sets)
-    assert error < error_bound(scene, scene_numbers(scene)) < 4.0 * error
+    assert error < bound_of(scene) < 4.0 * error
 
 
 def test_columns_beside_a_sprung_gate_do_not_level_out(tmp_path):
     """ρ g H²/(T k): what its level, which falls as it yields, takes off."""
     sets = ["fluid.model=column", "fluid.column.compressible=false", "goal.statistic=mean"]
-    bounds = [error_bound(s, scene_numbers(s)) for s in (gate(tmp_path, length, *sets) for length in (0.6, 300.0))]
+    bounds = [bound_of(s) for s in (gate(tmp_path, length, *sets) for length in (0.6, 300.0))]
     assert bounds[0] - bounds[1] == pytest.approx(9810.0 * 0.2**2 / (0.6 * 6e4), rel=0.01)

@@ -7,12 +7,12 @@ import math
 import pytest
 
 from coupler.preflight.afloat import to_equilibrium
-from coupler.preflight.error import error_bound
 from coupler.preflight.ladder import ladder, smallest
 from coupler.preflight.numbers import scene_numbers
 from coupler.preflight.rules import findings
 from coupler.preflight.water import measure_water
 from shared.scene import load_scene
+from tests.preflights import bound_of
 from tests.scenes import scene_of
 from tests.test_preflight_fluids import TANK
 
@@ -296,7 +296,7 @@ MEASURED = [
 def test_bounds_of_water_hold_what_was_measured(tmp_path, text, sets, error):
     """Bound at least the error, at most four times it or 0.3 %."""
     scene = scene_of(text, tmp_path, sets) if "\n" in text else load_scene(text, sets)
-    assert error <= error_bound(scene, scene_numbers(scene)) <= max(4.0 * error, 0.003)
+    assert error <= bound_of(scene) <= max(4.0 * error, 0.003)
 
 
 def test_the_motion_of_water_at_rest_has_no_relative_error(tmp_path):
@@ -311,7 +311,7 @@ def test_a_gauge_at_the_level_of_water_at_rest_has_no_relative_error(tmp_path):
     text = TANK.replace('quantity = "force-y"\nbody = "tank"', 'quantity = "elevation"\npoint = [0.25, 0.5]')
     assert smallest(ladder(scene_of(text, tmp_path))) is None
     deep = scene_of(text, tmp_path, ["probes.push.point=[0.25, 0.0]"])
-    assert error_bound(deep, scene_numbers(deep)) < 0.02
+    assert bound_of(deep) < 0.02
 
 
 def test_a_pressure_above_the_water_has_no_bound(tmp_path):
@@ -328,7 +328,7 @@ def test_the_way_of_a_raft_is_that_of_archimedes(tmp_path):
 
 
 def test_what_falls_on_something_is_no_free_fall(tmp_path):
-    bounds = [error_bound(scene, scene_numbers(scene)) for scene in
+    bounds = [bound_of(scene) for scene in
               (scene_of(SLAB, tmp_path, [f"end_time={end}"]) for end in (0.3, 0.36))]  # fmt: skip
     assert bounds[0] < 0.03
     assert bounds[1] == pytest.approx(0.25)
