@@ -32,6 +32,11 @@ class Finding:
 Rule = Callable[[Scene, Numbers], Finding | None]
 
 
+def graded(rule: str, value: float, verdict: Verdict, reason: str, way_out: str) -> Finding:
+    """A finding whose way out is left away where all is well."""
+    return Finding(rule, value, verdict, reason, "" if verdict == "ok" else way_out)
+
+
 def above(value: float, warn: float, refuse: float = math.inf) -> Verdict:
     """Verdict on a number that should be small."""
     return "refuse" if value > refuse else "warn" if value > warn else "ok"

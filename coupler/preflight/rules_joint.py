@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 
 from coupler.preflight.error_lattice import MANY_NEIGHBOURS, lattice_hold
-from coupler.preflight.finding import COLUMN, STEADY, Finding, above, below, of_particles
+from coupler.preflight.finding import COLUMN, STEADY, Finding, above, below, graded, of_particles
 from coupler.preflight.numbers import Numbers
 from coupler.preflight.swing import RADIATES, dragged, sounding
 from coupler.preflight.window import expected_plan, expected_window
@@ -109,8 +109,8 @@ def window_number(scene: Scene, n: Numbers) -> Finding | None:
     limit = ALPHA_REFUSE["parallel" if asked.startswith("parallel") else "serial"][scene.coupling.predictor]
     most = min(ALPHA_WARN * largest_alpha(asked, scene.coupling.predictor), 0.9 * limit)
     verdict = above(value, most * (1.0 + 1e-9), limit)
-    way_out = "" if verdict == "ok" else f"coupling.window = {window * most / value:.3g} or auto"
-    return Finding("window α", value, verdict, f"{reason}, limit {limit:g}", way_out)
+    way_out = f"coupling.window = {window * most / value:.3g} or auto"
+    return graded("window α", value, verdict, f"{reason}, limit {limit:g}", way_out)
 
 
 def support(scene: Scene, n: Numbers) -> Finding | None:
@@ -160,8 +160,8 @@ def drag(scene: Scene, n: Numbers) -> Finding | None:
         return None
     reason = "layer that artificial viscosity drags along, over the plate: so much longer is its period, and so damped"
     verdict = above(value, DRAG_WARN)
-    way_out = f"fluid.alpha = {scene.fluid.alpha * (0.5 * DRAG_WARN / value) ** 2:.1g}" if verdict != "ok" else ""
-    return Finding("drag", value, verdict, reason, way_out)
+    way_out = f"fluid.alpha = {scene.fluid.alpha * (0.5 * DRAG_WARN / value) ** 2:.1g}"
+    return graded("drag", value, verdict, reason, way_out)
 
 
 def ghost_acceleration(scene: Scene, n: Numbers) -> Finding | None:
@@ -185,4 +185,4 @@ def step_ratio(scene: Scene, n: Numbers) -> Finding | None:
     value = n.water.step / n.plate.step
     verdict = above(value, STEP_RATIO_WARN)
     reason = f"{n.water.step:.3g} s over {n.plate.step:.3g} s"
-    return Finding("step ratio", value, verdict, reason, "" if verdict == "ok" else "solid.model = beam is implicit")
+    return graded("step ratio", value, verdict, reason, "solid.model = beam is implicit")

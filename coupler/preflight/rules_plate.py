@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 
 from coupler.preflight.error_solid import LEAST_PERIODS, PERIODS, not_bounded, periods
-from coupler.preflight.finding import Finding, above, below
+from coupler.preflight.finding import Finding, above, below, graded
 from coupler.preflight.numbers import Numbers
 from coupler.preflight.plate import of_a_body
 from coupler.preflight.pressed import AT_ONCE, MOST
@@ -29,8 +29,8 @@ def slenderness(scene: Scene, n: Numbers) -> Finding | None:
     if n.plate.model != "beam":
         return Finding("slenderness", value, "ok", "particles take any shape")
     verdict = below(value, SLENDER_WARN, SLENDER_REFUSE)
-    way_out = "" if verdict == "ok" else "solid.model = total-lagrangian"
-    return Finding("slenderness", value, verdict, f"a beam errs by about 0.25 (t/L)² = {25 / value**2:.2g} %", way_out)
+    way_out = "solid.model = total-lagrangian"
+    return graded("slenderness", value, verdict, f"a beam errs by about 0.25 (t/L)² = {25 / value**2:.2g} %", way_out)
 
 
 def cauchy(scene: Scene, n: Numbers) -> Finding | None:
@@ -40,8 +40,8 @@ def cauchy(scene: Scene, n: Numbers) -> Finding | None:
     value = n.plate.deflection / n.plate.length
     reason = f"linear bending would carry the plate {value:.2g} of its length"
     verdict = above(value, CAUCHY_WARN, CAUCHY_REFUSE)
-    way_out = "" if verdict == "ok" else "check the units of solid.youngs_modulus, of loads and of lengths"
-    return Finding("Cauchy", value, verdict, reason, way_out)
+    way_out = "check the units of solid.youngs_modulus, of loads and of lengths"
+    return graded("Cauchy", value, verdict, reason, way_out)
 
 
 def euler(scene: Scene, n: Numbers) -> Finding | None:
@@ -51,7 +51,7 @@ def euler(scene: Scene, n: Numbers) -> Finding | None:
     value = n.plate.squeeze
     verdict = above(value, EULER_WARN)
     reason = "it buckles" if value >= 1.0 else f"errors of stiffness count {1.0 / (1.0 - value):.3g} times in bending"
-    return Finding("Euler", value, verdict, reason, "" if verdict == "ok" else "less load along it, or a stiffer plate")
+    return graded("Euler", value, verdict, reason, "less load along it, or a stiffer plate")
 
 
 def pressed(scene: Scene, n: Numbers) -> Finding | None:
@@ -65,8 +65,8 @@ def pressed(scene: Scene, n: Numbers) -> Finding | None:
     reason = f"{pushed} by {value:.2g} of its modulus along the way to its clamp, where laws of models part"
     if gives and value > STRAIN_WARN:
         reason += f"; total-lagrangian's gives way at {MOST:.2g}, at {AT_ONCE:.2g} of what comes at once"
-    way_out = "" if verdict == "ok" else f"less load, or a stiffer body{'; or solid.model = ctvf' if gives else ''}"
-    return Finding("strain", value, verdict, reason, way_out)
+    way_out = f"less load, or a stiffer body{'; or solid.model = ctvf' if gives else ''}"
+    return graded("strain", value, verdict, reason, way_out)
 
 
 def across(scene: Scene, n: Numbers) -> Finding | None:
@@ -74,9 +74,9 @@ def across(scene: Scene, n: Numbers) -> Finding | None:
     if n.plate is None or n.plate.model not in PARTICLE_MODELS:
         return None
     verdict = below(n.plate.fewest, ACROSS_WARN, ACROSS_REFUSE)
-    way_out = "" if verdict == "ok" else f"solid.dx = {n.plate.thinnest / 6:.3g} gives 6; or solid.model = beam"
+    way_out = f"solid.dx = {n.plate.thinnest / 6:.3g} gives 6; or solid.model = beam"
     reason = "bending is resolved" if verdict == "ok" else "too few to resolve bending"
-    return Finding("particles across", n.plate.fewest, verdict, reason, way_out)
+    return graded("particles across", n.plate.fewest, verdict, reason, way_out)
 
 
 def courant_solid(scene: Scene, n: Numbers) -> Finding | None:
@@ -90,8 +90,8 @@ def courant_solid(scene: Scene, n: Numbers) -> Finding | None:
     else:
         safe, limit = LATTICE_SHARE * LATTICE_LIMIT, LATTICE_LIMIT
     verdict = above(value, safe * (1.0 + 1e-9), limit)
-    way_out = "" if verdict == "ok" else "solid.courant = auto"
-    return Finding("Courant, solid", value, verdict, f"stable up to about {limit:g}", way_out)
+    way_out = "solid.courant = auto"
+    return graded("Courant, solid", value, verdict, f"stable up to about {limit:g}", way_out)
 
 
 def poisson(scene: Scene, n: Numbers) -> Finding | None:

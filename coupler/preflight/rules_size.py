@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 
-from coupler.preflight.finding import Finding, above, of_particles
+from coupler.preflight.finding import Finding, above, graded, of_particles
 from coupler.preflight.numbers import Numbers
 from coupler.preflight.shapes import cells, excess
 from shared.limbs import bearing, fitting
@@ -34,7 +34,7 @@ def filled_area(scene: Scene, n: Numbers) -> Finding | None:
     if abs(value) < AREA_EXACT:
         return Finding("filled area", value, "ok", "particles hold the areas of their bodies")
     reason = f"particles of '{name}' hold {100 * abs(value):.2g} % {'more' if value > 0.0 else 'less'} than its area"
-    return Finding("filled area", value, verdict, reason, "" if verdict == "ok" else f"a smaller {side}.dx")
+    return graded("filled area", value, verdict, reason, f"a smaller {side}.dx")
 
 
 def filled_limbs(scene: Scene, n: Numbers) -> Finding | None:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 
-from coupler.preflight.finding import Finding, above, below, of_particles
+from coupler.preflight.finding import Finding, above, below, graded, of_particles
 from coupler.preflight.numbers import Numbers
 from shared.expected_speed import water_speed
 from shared.fluid_step import COURANT, LARGEST_COURANT
@@ -64,8 +64,8 @@ def courant_fluid(scene: Scene, n: Numbers) -> Finding | None:
         return None
     value, model = n.water.courant, n.water.model
     verdict = above(value, COURANT[model], LARGEST_COURANT[model])
-    way_out = "" if verdict == "ok" else "fluid.courant = auto"
-    return Finding("Courant, fluid", value, verdict, f"up to {LARGEST_COURANT[model]:g} was seen to run", way_out)
+    way_out = "fluid.courant = auto"
+    return graded("Courant, fluid", value, verdict, f"up to {LARGEST_COURANT[model]:g} was seen to run", way_out)
 
 
 def water_across(scene: Scene, n: Numbers) -> Finding | None:
@@ -74,8 +74,8 @@ def water_across(scene: Scene, n: Numbers) -> Finding | None:
         return None
     value = n.water.width / n.water.dx
     verdict = below(value, WATER_ACROSS_WARN)
-    way_out = "" if verdict == "ok" else f"fluid.dx = {n.water.width / 20:.3g} gives 20"
-    return Finding("water across", value, verdict, f"least extent {n.water.width:.3g} m", way_out)
+    way_out = f"fluid.dx = {n.water.width / 20:.3g} gives 20"
+    return graded("water across", value, verdict, f"least extent {n.water.width:.3g} m", way_out)
 
 
 def neighbours(scene: Scene, n: Numbers) -> Finding | None:
