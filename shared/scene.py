@@ -66,12 +66,16 @@ def _cases_folder() -> Path:
 
 def _find(case: str | Path) -> Path:
     path = Path(case)
+    if not str(case):
+        raise BadInput("no scene is named: a file, or a shipped case (`coupler cases` lists them)")
     if path.is_file():
         return path.resolve()
     if path.is_dir():
         inside = [one.name for one in sorted(path.glob("*.toml"))]
         found = f"in it: {', '.join(inside)}" if inside else "there is no TOML file in it"
         raise BadInput(f"{case}: a directory; name a scene's file ({found})")
+    if path.exists():
+        raise BadInput(f"{case}: a pipe or a device; write the scene to a file, which its run keeps and may read again")
     shipped = shipped_cases()
     if str(case) in shipped:
         return shipped[str(case)]

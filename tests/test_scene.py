@@ -1,6 +1,7 @@
 """Reading scenes: every mistake is named, what is right survives the way to the file and back."""
 
 import json
+import os
 import tomllib
 
 import pytest
@@ -194,6 +195,14 @@ def test_a_directory_names_the_scenes_in_it(tmp_path):
     (tmp_path / "one.toml").write_text(GOOD)
     with pytest.raises(BadInput, match=r"a directory; name a scene's file \(in it: one.toml\)"):
         load_scene(tmp_path)
+
+
+def test_a_pipe_and_nothing_are_no_scenes(tmp_path):
+    """They were told of as no file, and as a directory."""
+    os.mkfifo(tmp_path / "pipe")
+    for case, what in ((tmp_path / "pipe", "pipe: a pipe or a device; write the scene to a file"), ("", "no scene is")):
+        with pytest.raises(BadInput, match=what):
+            load_scene(case)
 
 
 def test_missing_file_lists_cases_and_suggests():
