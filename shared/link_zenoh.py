@@ -47,6 +47,7 @@ os.environ.setdefault("ZENOH_RUNTIME", _ONE_THREAD)
 
 CONNECT_TIMEOUT_S = 20.0
 HEARTBEAT_PERIOD_S = 1.0
+_LOOPBACK = "127.0.0.1"
 _SILENT_AFTER_S = PAUSE_S + 2.0 * HEARTBEAT_PERIOD_S  # the supervisor, who knows more, is to speak first
 _BROKEN_AFTER_S = 2.0  # a process that ends closes its connection first
 _SAY_AFTER_S = 60.0  # who waits longer for a participant to connect is told what for
@@ -87,10 +88,18 @@ def _config(mode: str, where: str, endpoint: str, patience: float) -> zenoh.Conf
 
 
 def free_endpoint() -> str:
-    """A loopback endpoint whose port is free at this moment."""
+    """A loopback endpoint whose port is free at this moment. Raises ParticipantLost where nobody could reach it."""
+    with socket.socket(type=socket.SOCK_DGRAM) as way:
+        try:
+            way.connect((_LOOPBACK, 9))  # sends nothing: the system looks up the way
+        except OSError as error:
+            raise ParticipantLost(
+                f"no participant can be reached at {_LOOPBACK} ({error}): bring the loopback interface up "
+                "(ip link set lo up), or run with --link inprocess"
+            ) from None
     with socket.socket() as probe:
-        probe.bind(("127.0.0.1", 0))
-        return f"tcp/127.0.0.1:{probe.getsockname()[1]}"
+        probe.bind((_LOOPBACK, 0))
+        return f"tcp/{_LOOPBACK}:{probe.getsockname()[1]}"
 
 
 @contextlib.contextmanager

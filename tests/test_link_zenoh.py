@@ -91,6 +91,13 @@ def test_a_participant_without_its_token_is_not_waited_for(monkeypatch):
             link.wait_connected(10.0)
 
 
+def test_a_loopback_interface_that_is_down_is_named(monkeypatch):
+    """Both sides were waited for in vain, for a quarter of an hour."""
+    monkeypatch.setattr(link_zenoh, "_LOOPBACK", "255.255.255.255")  # refused at once, too
+    with pytest.raises(ParticipantLost, match=r"255.*Errno .*bring the loopback interface up"), listening("run"):
+        pass
+
+
 @pytest.mark.timeout(60)
 def test_missing_participant_is_named(monkeypatch, capsys):
     """Also while it is waited for, a quarter of an hour: once, for a process that compiles says nothing either."""
