@@ -14,7 +14,7 @@ from typing import Literal
 from coupler.preflight.afloat import afloat
 from coupler.preflight.cost import Cost, predicted_cost
 from coupler.preflight.error import FACES, Parts, error_parts
-from coupler.preflight.error_flow import MOTIONS
+from coupler.preflight.error_flow import MOTIONS, torn
 from coupler.preflight.error_solid import PHASE, SWING, not_bounded
 from coupler.preflight.finding import STEADY
 from coupler.preflight.numbers import Numbers, scene_numbers
@@ -179,6 +179,8 @@ def _unable(scene: Scene, n: Numbers, worst: str) -> str:
                 return f"the low sound speed cannot resolve a {what}: {found.reason}"
             if n.water.rests and goals_quantity(scene) in MOTIONS:
                 return "the water rests: of a motion that is nothing there is no relative error"
+            if torn(scene, n):
+                return "water may tear off a lid that slides beside walls that stand: ctvf, 50 dx across, Re 100 hold"
             return "what is left of the value is too little for a bound of its relative error"
         if n.plate is not None and afloat(scene, plates_body(scene, n.plate)):
             return f"the body floats: the windows of {n.water.model} do not follow its heave"
