@@ -103,5 +103,5 @@ def largest_speed(motion: Motion, corners: np.ndarray) -> float:
     """A bound of the speed [m/s] of the points `corners` (n, 2) [m]: translation, and rotation at the farthest."""
     table = MotionTable(motion)
     reach = float(np.hypot(*(np.asarray(corners, dtype=float) - table.about).T).max())
-    rates = np.array([table.at(time)[1] for time in np.linspace(0.0, motion.times[-1], _SAMPLES)])
+    rates = table.displacements(np.linspace(0.0, motion.times[-1], _SAMPLES), 1)
     return float(np.max(np.hypot(rates[:, 0], rates[:, 1]) + reach * np.abs(rates[:, 2])))
