@@ -17,6 +17,7 @@ from shared.segments import right_of
 
 _BESIDE = 1e-3  # of a side: bodies touch where one holds a point this far off the other's
 _ROUNDING = 1e-12  # of the water's height
+_LEVEL = 1e-6  # of the water's height: how far its surface may slope, as rounded numbers of a turned scene have it
 _FIRST_REACH, _FARTHEST = 1e-3, 1e3  # of the water's height: how far off a level is sought at first, and at last
 
 
@@ -43,7 +44,7 @@ class Level:
         self._edges, self._links, self._nodes = segments @ self._axes, links, nodes @ self._axes
         z = self._edges[..., 1]
         self.first, self._extent = float(z.max()), float(np.ptp(z))
-        on_top = np.all(z > self.first - _ROUNDING * self._extent, axis=1)
+        on_top = np.all(z > self.first - _LEVEL * self._extent, axis=1)
         self._width = float(np.abs(np.diff(self._edges[on_top, :, 0])).sum())
         self._full = self._held(self.first)
 

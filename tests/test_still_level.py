@@ -77,6 +77,16 @@ def test_a_wall_that_leans_in_raises_it_and_wets_what_was_dry(tmp_path):
     assert loads.pressure[wet] == pytest.approx(RHO * G * (level - place[wet, 1]), rel=1e-8)
 
 
+def test_a_turned_scene_has_its_level_in_spite_of_rounded_numbers(tmp_path):
+    """The wall that yields, with all of it turned by 37 degrees and gravity to ten digits."""
+    waters, solids = (text.replace("] }", "], rotate = { angle = 37.0 } }") for text in (POOL, WALL))
+    scene = TANK.format(waters=waters, solids=solids)
+    model = StillWater(scene_of(scene, tmp_path, ["gravity=[5.903805377, -7.834614354]"]), coupled=True, threads=1)
+    _, loads, _ = moved(model, lambda x: x + 0.1 * np.array([0.7986355100, 0.6018150232]))
+    level = 0.4 * 0.5 / 0.6
+    assert np.hypot(*loads.force.sum(axis=0)) == pytest.approx(0.5 * RHO * G * (0.4**2 + level**2) / 2.0, rel=1e-3)
+
+
 def test_a_floor_that_sinks_takes_all_of_its_water_along(tmp_path):
     model = water(tmp_path, POOL, FLOOR)
     _, loads, probes = moved(model, lambda x: x - [0.0, 0.05])

@@ -187,7 +187,7 @@ def _unable(scene: Scene, n: Numbers, worst: str) -> str:
         if not any(scene.gravity) and n.water.model == "still":
             return "water at rest without weight presses on nothing"
         if not n.water.rests:
-            return "the water is not at rest: nothing holds it where it stands, or it starts moving"
+            return "the water is not at rest: nothing holds it where it stands, it is not level, or it starts moving"
         if n.water.boxed and n.joint is not None and n.joint.closes:
             return (
                 f"the plate closes a box of water, whose pressure comes from being squeezed; {n.water.model} has none"

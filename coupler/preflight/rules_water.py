@@ -6,6 +6,7 @@ import math
 
 from coupler.preflight.finding import Finding, above, below, graded, of_particles
 from coupler.preflight.numbers import Numbers
+from coupler.preflight.water import LEVEL
 from shared.expected_speed import water_speed
 from shared.fluid_step import COURANT, LARGEST_COURANT
 from shared.schema import Scene
@@ -127,6 +128,17 @@ def falls_out(scene: Scene, n: Numbers) -> Finding | None:
         return None
     reason = f"under {100 * n.water.bottomless:.0f} % of the water's lower faces there is nothing: it falls out"
     return Finding("nothing below", n.water.bottomless, "warn", reason, "a wall below; gravity points where it should?")
+
+
+def slopes(scene: Scene, n: Numbers) -> Finding | None:
+    """How far the surface of water that the model `still` keeps at rest is from level, over its height."""
+    if n.water is None or n.water.model != "still" or not any(scene.gravity):
+        return None
+    value = n.water.slope / n.water.height
+    if n.water.slope <= LEVEL * n.water.dx:
+        return Finding("level", value, "ok", "its surface is level")
+    reason = f"its surface slopes by {n.water.slope:.3g} m against gravity: water that rests is level"
+    return Finding("level", value, "refuse", reason, "a body whose top is level; or fluid.model = wcsph or ctvf")
 
 
 def start_up(scene: Scene, n: Numbers) -> Finding | None:

@@ -19,14 +19,16 @@ from shared.wall_chains import segments_of
 from shared.wall_speeds import lasting_faces
 
 _BACKED = 0.75  # of dx: a wall or body this close behind the water's face holds it
+LEVEL = 0.01  # of dx: a surface that slopes less is level
 _MOMENTS = 50  # at which it is looked whether something is in the way of water that falls
 UPWARD = 0.7  # cosine against gravity beyond which a face of the water is its free surface
 
 
 @dataclass(frozen=True)
 class Water:
-    """The fluid. `held`: on all sides but its surface something stands behind it, so that it does not fall; `rests`: it
-    is held, starts at rest, and nothing drives it or drifts in it; `boxed`: at rest, and something stands behind its
+    """The fluid. `held`: on all sides but its surface something stands behind it, so that it does not fall; `slope`
+    [m]: how far a body's surface is from level, from its highest place to its lowest; `rests`: it is held and level,
+    starts at rest, and nothing drives it or drifts in it; `boxed`: at rest, and something stands behind its
     surface too; `waves`: it is held, has a surface and weight, and does not rest; `pulled`: its weight drives it along
     a period; `free`: it falls as a whole, and nothing is in its way until the end."""
 
@@ -44,6 +46,7 @@ class Water:
     step: float
     courant: float
     held: bool
+    slope: float
     rests: bool
     boxed: bool
     waves: bool
@@ -63,8 +66,9 @@ def measure_water(scene: Scene) -> Water:
     support = kernel_named(fluid.kernel).support * h
     courant = COURANT.get(fluid.model, 1.0) if fluid.courant == "auto" else fluid.courant
     pulled = bool(np.any(np.asarray(scene.gravity)[_periods(scene)]))
-    still = start == 0.0 and driven_speed(scene) == 0.0 and not drifts(scene) and not pulled
-    open_sides, open_top = unbacked(scene)
+    open_sides, open_top, slope = unbacked(scene)
+    level = slope <= LEVEL * fluid.dx
+    still = level and start == 0.0 and driven_speed(scene) == 0.0 and not drifts(scene) and not pulled
     if fluid.model in COURANT and not g:
         open_sides = open_sides or open_top  # what presses on it drives it away
     elif fluid.model not in COURANT:
@@ -90,6 +94,7 @@ def measure_water(scene: Scene) -> Water:
         step=step,
         courant=courant,
         held=not open_sides,
+        slope=slope,
         rests=still and not open_sides,
         boxed=still and not open_sides and not open_top,
         waves=not still and not open_sides and open_top and g > 0.0,
@@ -111,12 +116,14 @@ def _fluid_particles(scene: Scene, support: float) -> float:
     return count
 
 
-def unbacked(scene: Scene) -> tuple[bool, bool]:
-    """Whether sides or bottom of the water, and whether its surface, have nothing behind them."""
+def unbacked(scene: Scene) -> tuple[bool, bool, float]:
+    """Whether sides or bottom of the water, and whether its surface, have nothing behind them; and by how much [m] the
+    surface of a body that has one is off level."""
     g = np.asarray(scene.gravity, dtype=float)
     up = -g / np.hypot(*g) if g.any() else np.zeros(2)
     dx = scene.fluid.dx
-    middle, outward = edge_samples(scene.fluid.bodies, dx)
+    samples = [edge_samples([body], dx) for body in scene.fluid.bodies]
+    middle, outward = (np.concatenate(part) for part in zip(*samples, strict=True))
     near = np.full(len(middle), np.inf)
     for segments in _faces_behind(scene):
         near = np.minimum(near, distance_to(segments, middle))
@@ -128,9 +135,12 @@ def unbacked(scene: Scene) -> tuple[bool, bool]:
             near[np.abs(middle[:, axis] - bound) < _BACKED * dx] = 0.0
     free = near > _BACKED * dx
     if not g.any():  # without weight nothing falls, and any face may be free
-        return False, bool(free.any())
-    surface = outward @ up > UPWARD
-    return bool(np.any(free & ~surface)), bool(np.any(free & surface))
+        return False, bool(free.any()), 0.0
+    upward = outward @ up > UPWARD
+    height = np.where(free & upward, middle @ up, np.nan)
+    tops = (top[np.isfinite(top)] for top in np.split(height, np.cumsum([len(points) for points, _ in samples])[:-1]))
+    slope = max((float(np.ptp(top)) for top in tops if len(top)), default=0.0)
+    return bool(np.any(free & ~upward)), bool(np.any(free & upward)), slope
 
 
 def _periods(scene: Scene) -> np.ndarray:
