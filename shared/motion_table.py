@@ -99,9 +99,10 @@ def _through(times: np.ndarray, values: np.ndarray, around: np.ndarray) -> np.nd
     return np.einsum("ij,ijk->ik", share / away, values[others] - values[own])
 
 
-def largest_speed(motion: Motion, corners: np.ndarray) -> float:
-    """A bound of the speed [m/s] of the points `corners` (n, 2) [m]: translation, and rotation at the farthest."""
+def largest_speed(motion: Motion, corners: np.ndarray, order: int = 1) -> float:
+    """A bound of the speed [m/s] of the points `corners` (n, 2) [m]: translation, and rotation at the farthest; of
+    order 2 of the second rates [m/s²], but for what turns towards the centre."""
     table = MotionTable(motion)
     reach = float(np.hypot(*(np.asarray(corners, dtype=float) - table.about).T).max())
-    rates = table.displacements(np.linspace(0.0, motion.times[-1], _SAMPLES), 1)
+    rates = table.displacements(np.linspace(0.0, motion.times[-1], _SAMPLES), order)
     return float(np.max(np.hypot(rates[:, 0], rates[:, 1]) + reach * np.abs(rates[:, 2])))

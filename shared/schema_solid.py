@@ -147,7 +147,11 @@ class Solid(Table):
         None, unit="Pa", about="Young's modulus; needed by all models but rigid and spring"
     )
     poisson_ratio: float = key(0.0, unit="-", about="Poisson's ratio, plane strain", ge=0.0, lt=0.5)
-    damping: NonNegative = key(0.0, unit="1/s", about="rate η of the damping force −η m u")
+    damping: NonNegative = key(
+        0.0,
+        unit="1/s",
+        about="rate η of the damping force −η m u, u the velocity in the scene: it brakes what clamps carry along",
+    )
     alpha: NonNegative = key(
         1.0,
         unit="-",

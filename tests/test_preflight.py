@@ -25,6 +25,10 @@ ARCH = (
     'solid.bodies=[{ name = "beam", difference = [{ rectangle = [0.0, 0.0, 0.2, 0.012] }, '
     "{ rectangle = [0.02, 0.0, 0.18, 0.0055] }] }]"
 )
+LIFTED = (
+    'solid.clamps=[{ body="beam", face="left", motion={ times=[0.0, 0.1, 0.2, 0.3], '
+    "translation=[[0.0, 0.0], [0.0, 0.1], [0.0, 0.2], [0.0, 0.3]] } }]"
+)
 TRIPPED = (
     ("mach", "dam_break", ["fluid.sound_speed=10"], "Mach", "warn"),
     ("mach", "dam_break", ["fluid.sound_speed=4"], "Mach", "refuse"),
@@ -47,6 +51,7 @@ TRIPPED = (
     ("euler", "dam_break_plate", ["solid.youngs_modulus=1e5"], "Euler", "warn"),
     ("pressed", "udl_beam", ['solid.loads=[{ body="beam", face="right", traction=[1.1e6, 0.0] }]',
                              'solid.clamps=[{ body="beam", face="left" }]'], "strain", "warn"),
+    ("carried_along", "udl_beam", [LIFTED], "damping drag", "warn"),
     ("across", "udl_beam", ["solid.dx=4e-3"], "particles across", "warn"),
     ("support", "dam_break_plate", ["fluid.dx=5e-3"], "thickness/support", "warn"),
     ("support", "dam_break_plate", ["fluid.dx=1e-2"], "thickness/support", "refuse"),

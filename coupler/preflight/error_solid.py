@@ -42,7 +42,7 @@ import math
 from coupler.preflight.error_clamps import clamps_slip, clamps_width, never_moves
 from coupler.preflight.error_sudden import PEAKS, jumps, sudden_error
 from coupler.preflight.finding import STEADY
-from coupler.preflight.held import FACES_OF_AXIS, held_sides, lengthwise
+from coupler.preflight.held import FACES_OF_AXIS, damping_drag, held_sides, lengthwise
 from coupler.preflight.numbers import Numbers
 from coupler.preflight.plate import Plate, goals_probe, goals_quantity, of_a_body, plates_body
 from coupler.preflight.pressed import law_error
@@ -66,6 +66,7 @@ LINEAR, PRINTED = 5.0, 4.5
 AT_REST = 1e-3  # of what clamps bear of dead loads, whatever a body is made of
 ASIDE = 0.8  # of a stress that is not along a slender body, over the particles across
 AXIAL = 0.25  # of the stress along a body, from which a component of the scene's is mostly that
+DRAG_MOST = 1.0  # of a body's weight and inertia, by damping where its clamps carry it along
 SLENDER = 3.0  # length over thickness
 KEPT = {"total-lagrangian": 1e-12, "spring": 1e-12, "rigid": 1e-12, "beam": 1e-3, "ctvf": 1e-2}
 """What a model loses of a momentum, of a free flight, or of a stress carried round, that physics keeps."""
@@ -214,6 +215,8 @@ def not_bounded(scene: Scene, n: Numbers) -> str:
         return f"no bound is known of a structure's {what}; a mean, peak or period has one"
     if never_moves(scene, n.plate):
         return "its point is held by a clamp: of a displacement that is nothing there is no relative error"
+    if (drag := damping_drag(scene, plates_body(scene, n.plate))) > DRAG_MOST:
+        return f"solid.damping drags what its clamps carry by {drag:.2g} of its weight and inertia"
     if n.plate.squeeze >= 1.0:
         return f"pressed by {n.plate.squeeze:.3g} of Euler's load it buckles, and small differences decide how far"
     if law_error(n.plate.model, n.plate.strain) == math.inf:

@@ -13,7 +13,9 @@ import math
 import numpy as np
 
 from shared.elasticity import lame, plane_modulus, wave_speed
+from shared.geometry import corners_of
 from shared.limbs import limbs
+from shared.motion_table import largest_speed
 from shared.regions import axes_of, faces, own_box, own_size
 from shared.schema import Scene
 from shared.schema_geometry import Body
@@ -151,6 +153,19 @@ def squeezed(scene: Scene, body: Body, in_water: bool) -> float:
 def left_of_stiffness(squeeze: float) -> float:
     """Bending stiffness of what is pressed by a share `squeeze` of Euler's load, over that of what is not."""
     return max(1.0 - squeeze, LEAST_LEFT)
+
+
+def damping_drag(scene: Scene, body: Body) -> float:
+    """Drag of a damping, −η m u of the velocity u in the scene, on a body that its clamps carry along, over its weight
+    and inertia: at least that of coming to its speed over the time of its table."""
+    solid = scene.solid
+    motions = [clamp.motion for clamp in solid.clamps if clamp.body == body.name and clamp.motion is not None]
+    if not motions or solid.model in RIGID_MODELS or solid.damping == 0.0:
+        return 0.0
+    speed, push = (max(largest_speed(motion, corners_of([body]), order) for motion in motions) for order in (1, 2))
+    push = max(push, speed / max(motion.times[-1] for motion in motions))
+    push += math.hypot(*scene.gravity) if solid.gravity else 0.0
+    return solid.damping * speed / push if push > 0.0 else 0.0
 
 
 def largest_factor(load: Load) -> float:

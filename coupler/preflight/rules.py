@@ -23,6 +23,7 @@ from coupler.preflight.rules_joint import (
 )
 from coupler.preflight.rules_plate import (
     across,
+    carried_along,
     cauchy,
     courant_solid,
     euler,
@@ -54,6 +55,7 @@ RULES: tuple[Rule, ...] = (
     cauchy,
     euler,
     pressed,
+    carried_along,
     density_ratio,
     mass_ratio,
     window_number,

@@ -6,8 +6,9 @@ import math
 
 from coupler.preflight.error_solid import LEAST_PERIODS, PERIODS, not_bounded, periods
 from coupler.preflight.finding import Finding, above, below, graded
+from coupler.preflight.held import damping_drag
 from coupler.preflight.numbers import Numbers
-from coupler.preflight.plate import of_a_body
+from coupler.preflight.plate import of_a_body, plates_body
 from coupler.preflight.pressed import AT_ONCE, MOST
 from shared.schema import Scene
 from shared.schema_solid import PARTICLE_MODELS, RIGID_MODELS
@@ -18,6 +19,7 @@ CAUCHY_WARN, CAUCHY_REFUSE = 30.0, 1000.0  # dam_break_plate has 2.5, dam_break_
 ACROSS_WARN, ACROSS_REFUSE = 4.0, 3.0
 POISSON_WARN = 0.49
 EULER_SAID, EULER_WARN = 0.5, 0.9  # of Euler's load
+DRAG_WARN = 0.1  # of a body's weight and inertia
 STRAIN_SAID, STRAIN_WARN = 0.05, 0.1
 
 
@@ -92,6 +94,16 @@ def courant_solid(scene: Scene, n: Numbers) -> Finding | None:
     verdict = above(value, safe * (1.0 + 1e-9), limit)
     way_out = "solid.courant = auto"
     return graded("Courant, solid", value, verdict, f"stable up to about {limit:g}", way_out)
+
+
+def carried_along(scene: Scene, n: Numbers) -> Finding | None:
+    """The drag of solid.damping on a body that its clamps carry along; nothing to say of bodies whose clamps stay."""
+    value = 0.0 if n.plate is None else damping_drag(scene, plates_body(scene, n.plate))
+    if value == 0.0:
+        return None
+    verdict = above(value, DRAG_WARN)
+    reason = f"solid.damping brakes what clamps carry along, by {value:.2g} of its weight and inertia"
+    return graded("damping drag", value, verdict, reason, "a smaller solid.damping, or 0")
 
 
 def poisson(scene: Scene, n: Numbers) -> Finding | None:
