@@ -1,46 +1,25 @@
-"""Structures too thin for their two sides to be told apart.
-
-A ghost carries one pressure. In a plate thinner than the kernel's support it hears the water on both faces, and water
-may hear water through it. Measured (two_reservoirs), waters of 0.3 and 0.2 m either side of a plate: the net load is
-7 % low at one dx of thickness (ctvf; wcsph 4 %), 3.2 % at two, 2.9 % at three, 2.1 to 2.6 % at four; with h = 2 dx,
-whose support is 4 dx wide, 10, 6, 4 and 2.6 %. What is left at four is of the corner under the plate. Without it
-(two_levels, h = 1.3 dx) the map thin_plate finds less than 2 % down to 1.87 dx, and at 1.85, 1.75, 1.65 and 1.55 dx the
-load is 5, 6, 8 and 10 % high with wcsph, 10, 15, 22 and 26 % with ctvf.
-"""
+"""Structures too thin for their two sides to be told apart are refused."""
 
 from __future__ import annotations
 
 import logging
 
-import numpy as np
-from scipy.spatial import cKDTree
-
 from shared.contract import BadInput
-from shared.geometry import outline
 from shared.schema import Scene
-from shared.thin_walls import SPACING, THINNEST, before_water, points_along
+from shared.thin_bodies import thin_bodies
+from shared.thin_walls import THINNEST
 
 log = logging.getLogger("shearwater")
-
-_OPPOSITE = -0.7  # cosine between outward normals of faces that look away from each other
 
 
 def refuse_thin(scene: Scene) -> None:
     """Raise BadInput for a solid body thinner than `THINNEST` dx that stands in water on both faces; warn of others."""
-    dx = scene.fluid.dx
-    for body in scene.solid.bodies if scene.solid else []:
-        points, normals = points_along(outline(body)[:, ::-1], SPACING * dx)
-        pairs = cKDTree(points).query_pairs(THINNEST * dx * (1.0 - 1e-9), output_type="ndarray")
-        facing = pairs[np.sum(normals[pairs[:, 0]] * normals[pairs[:, 1]], axis=1) < _OPPOSITE]
-        if len(facing) == 0:
-            continue
-        wet = before_water(scene, points, normals)
-        thickness = np.hypot(*(points[facing[:, 0]] - points[facing[:, 1]]).T).min()
-        thin = f"body {body.name!r} is {thickness:.3g} m thick, less than {THINNEST:g} fluid.dx"
-        if np.any(wet[facing[:, 0]] & wet[facing[:, 1]]):
+    for name, thickness, both in thin_bodies(scene):
+        thin = f"body {name!r} is {thickness:.3g} m thick, less than {THINNEST:g} fluid.dx"
+        if both:
             raise BadInput(
                 f"solid {thin}, and stands in water on both faces: its ghosts would average the two pressures and the "
-                f"net load be up to a quarter off. Make fluid.dx at most {thickness / THINNEST:.3g} m (half the "
-                f"thickness or less is better), or the body thicker."
+                f"net load be up to a quarter off. Make fluid.dx at most {0.5 * thickness:.3g} m, half the thickness, "
+                "or the body thicker."
             )
         log.warning("%s: where water comes to both faces, the net load will be up to a quarter off", thin)

@@ -56,6 +56,7 @@ TRIPPED = (
     ("support", "dam_break_plate", ["fluid.dx=5e-3"], "thickness/support", "warn"),
     ("support", "dam_break_plate", ["fluid.dx=1e-2"], "thickness/support", "refuse"),
     ("support", "dam_break_plate", ["fluid.dx=5e-3", "coupling.loads=pressure"], "thickness/support", "refuse"),
+    ("support", "two_levels", ["fluid.dx=1.2e-2"], "thickness/support", "refuse"),  # as its run does
     ("face_pressures", "cantilever_in_water", ["coupling.loads=pressure"], "face pressures", "warn"),
     ("drag", "cantilever_in_water", ["goal.statistic=min"], "drag", "warn"),
     ("water_holds", "cantilever_in_water", ["fluid.h_over_dx=1.3"], "water's hold", "warn"),

@@ -13,6 +13,7 @@ from coupler.window import largest_alpha
 from shared.ghost_inertia import ghost_inertia, ghosts_feel_acceleration, largest_inertia
 from shared.schema import Scene
 from shared.schema_solid import PARTICLE_MODELS
+from shared.thin_bodies import thin_bodies
 
 HELMHOLTZ_WARN, HELMHOLTZ_REFUSE = 0.8, RADIATES  # half and all of a quarter wave, where a column resonates
 DENSITY_RATIO = (0.009, 100.0)  # polystyrene foam in water 0.015, tungsten in it 19
@@ -114,9 +115,15 @@ def window_number(scene: Scene, n: Numbers) -> Finding | None:
 
 
 def support(scene: Scene, n: Numbers) -> Finding | None:
-    """The thinnest body's thickness over the fluid kernel's support."""
+    """The thinnest body's thickness over the fluid kernel's support; of one between two waters, that of the run's own
+    refusal."""
     if n.plate is None or not of_particles(n):
         return None
+    for name, thickness, both in thin_bodies(scene):
+        if both:
+            reason = f"{name!r} is {thickness:.3g} m thick, water on both faces: the net load is up to a quarter off"
+            way_out = f"fluid.dx = {0.5 * thickness:.3g}"
+            return Finding("thickness/support", thickness / n.water.support, "refuse", reason, way_out)
     value = n.plate.thinnest / n.water.support
     faced = n.joint is not None and scene.coupling.loads == "pressure"  # over faces that feel their own side alone
     verdict = below(value, SUPPORT_WARN, SUPPORT_WARN if faced else SUPPORT_REFUSE)
