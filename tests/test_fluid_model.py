@@ -7,7 +7,7 @@ from fluid_solver.cells import COLUMNS, list_segments
 from fluid_solver.fields import AX, AY, FLUID, RHO, M, P, U, V, X, Y
 from fluid_solver.gather import next_stretch
 from fluid_solver.models import make_model
-from shared.contract import BadInput, Kinematics, SolverFailed
+from shared.contract import Kinematics, SolverFailed
 from shared.schema import Scene
 from shared.schema_geometry import Domain
 from tests.fluid_models import G, begun, dam, everything, fluid_rows, run, scene, tank
@@ -195,11 +195,6 @@ def test_fluid_that_leaves_the_domain_is_taken_out_and_counted(caplog):
     assert len(model.frame().position) == 0
     said = [record for record in caplog.records if "left the domain" in record.message]
     assert 1 <= len(said) <= np.log2(model.fluid_count) + 1  # each time twice as much
-
-
-def test_no_speed_to_guess_the_sound_speed_from_is_bad_input():
-    with pytest.raises(BadInput, match="sound_speed"):
-        make_model(scene([{"name": "drop", "rectangle": (0.0, 0.0, 0.1, 0.1)}], gravity=(0.0, 0.0)), False, 1)
 
 
 @pytest.mark.parametrize("kind", [0, 1])
