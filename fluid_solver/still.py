@@ -116,7 +116,7 @@ class StillWater:
                 values[probe.name] = float(self._at(np.array([probe.point]))[0])
             elif probe.quantity in FORCES and probe.body in self._solids():
                 mine = self._body == self._solids().index(probe.body)
-                values[probe.name] = float(self._force[mine, FORCES.index(probe.quantity)].sum())
+                values[probe.name] = float(self._mean[mine, FORCES.index(probe.quantity)].sum())
             elif probe.quantity == "level":
                 values[probe.name] = self._probed_level(probe.body)
         return values

@@ -112,6 +112,15 @@ def test_waters_that_touch_are_one_pool(tmp_path):
         assert loads.pressure.max() == pytest.approx(RHO * G * probes["level"])
 
 
+def test_a_probe_of_force_is_the_mean_over_the_last_window(tmp_path):
+    probe = "probes=[{name='push', quantity='force-x', body='wall'}]"
+    model = StillWater(scene_of(TANK.format(waters=POOL, solids=WALL), tmp_path, [probe]), coupled=True, threads=1)
+    _, loads, probes = moved(model, lambda x: x + [0.1, 0.0])
+    level = 0.4 * 0.5 / 0.6
+    assert probes["push"] == pytest.approx(0.5 * RHO * G * (0.4**2 + level**2) / 2.0, rel=1e-8)
+    assert probes["push"] == pytest.approx(loads.force[:, 0].sum(), rel=1e-12)
+
+
 def test_faces_that_hold_no_water_are_named(tmp_path):
     model = water(tmp_path, POOL, WALL)
     with pytest.raises(SolverFailed, match="no level was found"):
