@@ -174,9 +174,9 @@ def chart(
     folder = out or Path("runs") / f"chart-{case_name(case)}"
     say = (lambda text: None) if quiet else (lambda text: print(text, flush=True))
     found = make_chart(case, sets or (), folder, jobs, say, scheduler)
-    changes = "".join(f" --set {text}" for text in sets or ())
-    changes += f" --jobs {jobs}" if jobs > 1 else f" --scheduler {scheduler}" if scheduler else ""
-    paths = write_chart(found, folder, f"coupler chart {case_name(case)}{changes}")
+    words = ["coupler", "chart", case, *(word for text in sets or () for word in ("--set", text))]
+    words += ["--jobs", str(jobs)] if jobs > 1 else ["--scheduler", scheduler] if scheduler else []
+    paths = write_chart(found, folder, shlex.join(words))
     if not quiet:
         for line in (*summary(found), *map(str, paths)):
             print(line)

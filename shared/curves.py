@@ -3,9 +3,34 @@
 from __future__ import annotations
 
 import csv
+import shutil
 from pathlib import Path
 
 import numpy as np
+
+from shared.schema import Scene
+from shared.unwritable import cannot_write
+
+FOLDER = "references"
+"""Where a run directory keeps its curves."""
+
+
+def keep_curves(scene: Scene, run_dir: Path) -> Scene:
+    """Copy the curves of the scene's references into `run_dir`, which needs nothing from elsewhere then, wherever it is
+    taken; the scene with the copies. Raises ShearwaterError."""
+    folder = run_dir.resolve() / FOLDER
+    curves = dict.fromkeys(reference.curve for reference in scene.references if reference.curve is not None)
+    copies = {curve: folder / f"{number}.csv" for number, curve in enumerate(curves, start=1)}
+    for curve, copy in copies.items():
+        try:
+            folder.mkdir(exist_ok=True)
+            shutil.copyfile(curve, copy)
+        except OSError as error:
+            raise cannot_write(f"The copy of {curve},", copy, error) from error
+    references = [
+        r if r.curve is None else r.model_copy(update={"curve": str(copies[r.curve])}) for r in scene.references
+    ]
+    return scene.model_copy(update={"references": references})
 
 
 def read_curve(path: str | Path, scale: tuple[float, float] = (1.0, 1.0)) -> np.ndarray:

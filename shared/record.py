@@ -10,6 +10,7 @@ from typing import Any, TextIO
 
 from shared.checkpoint import Checkpoint, claim, way_on
 from shared.contract import BadInput, ParticipantLost, ShearwaterError
+from shared.curves import keep_curves
 from shared.probes import ProbeTable, probe_units
 from shared.progress import Progress
 from shared.results import environment, make_result, write_result
@@ -60,7 +61,8 @@ class Record:
         if last is None:
             try:
                 with case_file.open("x", encoding="utf-8") as file:
-                    file.write(dump_scene(scene))
+                    self._scene = keep_curves(scene, run_dir)
+                    file.write(dump_scene(self._scene, run_dir))
             except FileExistsError:
                 raise BadInput(f"Another run has just begun in {run_dir}: name another place with --out DIR.") from None
             except OSError as error:

@@ -18,7 +18,7 @@ from shared.scene_sets import apply_sets
 from shared.scene_warnings import scene_warnings
 from shared.schema import Scene
 
-__all__ = ["dump_scene", "load_scene", "read_toml", "scene_warnings", "shipped_cases"]
+__all__ = ["computed", "dump_scene", "load_scene", "read_toml", "scene_warnings", "shipped_cases"]
 
 _BARE_KEY = re.compile(r"[A-Za-z0-9_-]+")
 
@@ -41,9 +41,13 @@ def load_scene(case: str | Path, sets: Sequence[str] = ()) -> Scene:
     return scene
 
 
-def dump_scene(scene: Scene) -> str:
-    """The scene as TOML with all defaults written out; it loads back to an equal scene."""
+def dump_scene(scene: Scene, folder: Path | None = None) -> str:
+    """The scene as TOML with all defaults written out; it loads back to an equal scene. Curves in `folder`, in which
+    the text is to stand, are named from there."""
     data = scene.model_dump(by_alias=True, exclude_none=True, mode="json")
+    for reference in data["references"] if folder is not None else ():
+        if "curve" in reference and (curve := Path(reference["curve"])).is_relative_to(folder.resolve()):
+            reference["curve"] = str(curve.relative_to(folder.resolve()))
     plain = {key: value for key, value in data.items() if not _is_tables(value)}
     lines = [f"{key} = {_value(value)}" for key, value in plain.items()]
     for key, value in data.items():
@@ -53,6 +57,11 @@ def dump_scene(scene: Scene) -> str:
             lines += ["", f"[[{key}]]" if isinstance(value, list) else f"[{key}]"]
             lines += [f"{_key(k)} = {_value(v, broken=_is_tables(v))}" for k, v in table.items()]
     return "\n".join(lines) + "\n"
+
+
+def computed(scene: Scene) -> str:
+    """All of the scene that a run's probes depend on, as TOML: not its study, nor what they are compared with."""
+    return dump_scene(scene.model_copy(update={"study": None, "references": []}))
 
 
 def shipped_cases() -> dict[str, Path]:

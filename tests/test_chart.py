@@ -120,6 +120,21 @@ def test_every_mistake_of_a_study_is_reported(case):
     assert "solid.dx = -1" in str(error.value)
 
 
+def test_a_chart_taken_elsewhere_knows_its_runs(case, tmp_path):
+    """A curve's place is nothing that a run depends on."""
+    found = []
+    for place in (tmp_path, tmp_path / "elsewhere"):
+        place.mkdir(exist_ok=True)
+        (place / "curve.csv").write_text("0.0,0.0\n1.0,1.0\n")
+        scene = place / "small.toml"
+        text = (tmp_path / "small.toml").read_text(encoding="utf-8")
+        if place == tmp_path:
+            text += '\n[[references]]\nprobe = "mid_y"\nname = "own"\ncurve = "curve.csv"\n'
+        scene.write_text(text, encoding="utf-8")
+        found.append([v.folder for v in study_variants(str(scene))])
+    assert found[0] == found[1]
+
+
 def test_a_family_of_any_name_has_folders(case):
     assert all(len(v.folder) < 120 for v in study_variants(case, [f"study.families[0].name={300 * 'x'}"]))
 

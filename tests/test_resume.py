@@ -120,6 +120,29 @@ def test_a_run_whose_directory_is_removed_does_not_blame_the_disk(tmp_path, monk
     assert not (tmp_path / "run").exists()
 
 
+def test_a_run_directory_needs_nothing_from_elsewhere(tmp_path, monkeypatch):
+    """The curve that a probe is compared with goes while the run lasts, and its directory is taken elsewhere."""
+    curve = tmp_path / "curve.csv"
+    curve.write_text("time,x\n0.0,0.0\n0.01,2e-3\n")
+    reference = f'references=[{{ probe = "piston_x", name = "own", curve = "{curve}", statistic = "mean" }}]'
+    given = (piston(OFTEN, reference), "piston", tmp_path / "run", ONE, True, "inprocess")
+    calls, inner = iter(range(5)), coupler.run.probes
+
+    def removing(c):
+        if next(calls, None) is None:
+            curve.unlink(missing_ok=True)
+        return inner(c)
+
+    with monkeypatch.context() as patch:
+        patch.setattr(coupler.run, "probes", removing)
+        cut_short(patch, coupler.run, "probes", 8, run_coupled, *given)
+    elsewhere = (tmp_path / "run").rename(tmp_path / "taken elsewhere")
+    (row,) = resume_coupled(unfinished(elsewhere), ONE, "inprocess", True).result["references"]
+    assert row["value"] == pytest.approx(1e-3)
+    assert write_report(elsewhere).stat().st_size > 10_000
+    assert 'curve = "references/1.csv"' in (elsewhere / "case.toml").read_text(encoding="utf-8")
+
+
 def test_what_was_lost_before_a_break_counts_in_the_end(tmp_path, monkeypatch):
     """Water falls out of a domain that ends in it; the page of the run says so."""
     domain = "domain={ lower = [0.0, 0.0], upper = [0.1, 0.0601] }"

@@ -9,7 +9,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 from shared.contract import BadInput
-from shared.scene import dump_scene, load_scene
+from shared.scene import computed, load_scene
 from shared.schema import Scene
 
 _SPACING = re.compile(r"^(fluid|solid)\.dx\s*=")
@@ -68,7 +68,7 @@ def study_variants(case: str, sets: Sequence[str] = ()) -> list[Variant]:
 
 def _variant(case: str, family: str, own: tuple[str, ...], changes: tuple[str, ...]) -> Variant:
     scene = load_scene(case, changes)
-    digest = hashlib.sha256(dump_scene(scene.model_copy(update={"study": None})).encode()).hexdigest()[:_HASH_DIGITS]
+    digest = hashlib.sha256(computed(scene).encode()).hexdigest()[:_HASH_DIGITS]
     others = " ".join(text for text in own if not _SPACING.match(text))
     return Variant(
         family=family,

@@ -13,7 +13,7 @@ from pathlib import Path
 from coupler.stability.map import Criterion
 from shared.plain import plain
 from shared.results import environment
-from shared.scene import dump_scene
+from shared.scene import computed
 from shared.schema import Scene
 
 Measured = Callable[[Scene, Criterion], float | None]
@@ -27,7 +27,7 @@ def remembered(path: Path) -> Remembered:
     versions = json.dumps(plain(environment({})["versions"]))
 
     def give(measured: Measured, scene: Scene, criterion: Criterion) -> float | None:
-        what = (dump_scene(scene), criterion.model_dump_json(exclude={"limit"}), measured.__name__, versions)
+        what = (computed(scene), criterion.model_dump_json(exclude={"limit"}), measured.__name__, versions)
         cell = hashlib.sha256("\n".join(what).encode()).hexdigest()
         if cell not in known:
             known[cell] = measured(scene, criterion)
