@@ -13,10 +13,12 @@ from shared.schema import Scene
 from shared.schema_fluid import FluidBody
 from shared.schema_solid import RIGID_MODELS, Load, Solid, SolidBody
 from shared.segments import lengths
+from shared.shakers import shakers, sound_time
 from shared.wall_speeds import lasting_faces, pushing_speed
 
 _UPRIGHT = 1e-6  # sine of a slope up to which a face is upright
 MACH = 0.1  # largest expected speed over the automatic sound speed: density varies by 1 %
+CROSSED = 0.4  # radians of what shakes the water in which sound crosses it: squeezed, it swings by θ²/4, 4 %, more
 
 
 def sound_speed(scene: Scene) -> float:
@@ -26,8 +28,9 @@ def sound_speed(scene: Scene) -> float:
 
 
 def expected_speed(scene: Scene) -> float:
-    """Largest speed [m/s] of the water and of the structures in it; 0 where nothing tells one."""
-    return max(water_speed(scene), structure_speed(scene))
+    """Largest speed [m/s] of the water and of the structures in it, and what shaking is worth; 0 where nothing tells
+    one."""
+    return max(water_speed(scene), structure_speed(scene), shaken_speed(scene))
 
 
 def water_speed(scene: Scene) -> float:
@@ -89,6 +92,13 @@ def driven_speed(scene: Scene) -> float:
         corners = corners_of(scene.solid.bodies)
         speeds += [largest_speed(motion, corners) for motion in motions if motion is not None]
     return max(speeds, default=0.0)
+
+
+def shaken_speed(scene: Scene) -> float:
+    """Speed [m/s] that the prescribed motions which turn about are worth: at an acceleration a they press on water of
+    extent L as its weight does, by which it falls at √(2 a L); and sound has to cross it in time."""
+    pressed = max((math.sqrt(2.0 * one.rate * one.speed * one.extent) for one in shakers(scene)), default=0.0)
+    return max(pressed, MACH / CROSSED * sound_time(scene))
 
 
 def structure_speed(scene: Scene) -> float:

@@ -131,7 +131,8 @@ class Fluid(Table):
             "artificial sound speed; auto: 10 times the largest speed expected (free fall over the "
             "fluid's height, and on to floors below it where the run lasts so long, from its initial speed, the speed "
             "at which walls and structures push it, and what weight along a period gives it until the end, or until "
-            "what sticks to walls holds it)"
+            "what sticks to walls holds it; what is moved to and fro by a table counts as a fall at its acceleration, "
+            "and sound crosses the water in 0.4 rad of it)"
         ),
     )
     kernel: KernelName = key("wendland-c2", about="smoothing kernel")

@@ -78,6 +78,8 @@ TRIPPED = (
     ("falls_out", "still_tank", ["gravity=[0.0, 9.81]"], "nothing below", "warn"),
     ("falls_out", "dam_break", ["walls.tank.polyline=[[0.0,0.45],[0.0,0.0],[0.1,0.0]]"], "nothing below", "warn"),
     ("slopes", "hydrostatic_plate", ["fluid.model=still", "gravity=[0.86, -9.77]"], "level", "refuse"),
+    ("jolt", "still_tank", ["goal.statistic=max", "walls.tank.motion={ times = [0.0, 0.1, 0.2], translation = "
+                            "[[0.0, 0.0], [1e-3, 0.0], [0.0, 0.0]] }"], "jolt", "warn"),
     ("start_up", "still_tank", ["fluid.initial_pressure=zero"], "start-up", "warn"),
     ("poisson", "udl_beam", ["solid.poisson_ratio=0.495"], "Poisson's ratio", "warn"),
     ("periods_seen", "oscillating_plate", ["goal.statistic=period", "end_time=0.4"], "periods seen", "refuse"),

@@ -36,6 +36,7 @@ worst found; dx spacing of the fluid. The structure's part, and what its swing a
                        a floor, and of water at rest, they are right     sprung blocks, a floor under 20 cm
     a body that moves under water at rest   coupler/preflight/error_lattice.py
     water that flows   coupler/preflight/error_flow.py
+    water that is moved in by a table  coupler/preflight/error_shaken.py
 """
 
 from __future__ import annotations
@@ -47,6 +48,7 @@ import numpy as np
 from coupler.preflight.afloat import afloat, to_equilibrium
 from coupler.preflight.error_flow import MOTIONS, SMOOTH, flow_error, off_level
 from coupler.preflight.error_lattice import HELD, lattice_hold
+from coupler.preflight.error_shaken import SHAKEN, shaken_error
 from coupler.preflight.error_solid import (
     PHASE,
     SWING,
@@ -95,6 +97,8 @@ def error_parts(scene: Scene, n: Numbers) -> Parts:
     if n.water is not None:
         away = of_particles(n) and n.water.bottomless > 0.0
         parts[f"fluid {scene.fluid.model}"] = UNKNOWN if away else _fluid(scene, n)
+        if shaken := shaken_error(scene, n):
+            parts[SHAKEN] = shaken
     if over_faces := _over_faces(scene, n):
         parts[FACES] = over_faces
     if hold := lattice_hold(scene, n):

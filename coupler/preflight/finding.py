@@ -10,10 +10,12 @@ from typing import Literal
 from coupler.preflight.numbers import Numbers
 from shared.schema import Scene
 from shared.schema_fluid import PARTICLE_FLUIDS
+from shared.schema_probes import FORCES
 
 Verdict = Literal["ok", "warn", "refuse"]
 
 STEADY = ("mean",)  # statistics that do not feel how fast sound crosses the water
+PUSHES = (*FORCES, "pressure")  # quantities that feel what rings in the water
 COLUMN = 0.3
 """Bound of what columns make of the swing of a plate that bends."""
 

@@ -15,6 +15,7 @@ from coupler.preflight.afloat import afloat
 from coupler.preflight.cost import Cost, predicted_cost
 from coupler.preflight.error import FACES, Parts, error_parts
 from coupler.preflight.error_flow import MOTIONS, torn
+from coupler.preflight.error_shaken import SHAKEN, why_unknown
 from coupler.preflight.error_solid import PHASE, SWING, not_bounded
 from coupler.preflight.finding import STEADY
 from coupler.preflight.numbers import Numbers, scene_numbers
@@ -170,6 +171,8 @@ def _unable(scene: Scene, n: Numbers, worst: str) -> str:
     what = scene.goal.statistic
     if worst == FACES:
         return "a body with water round it integrates pressures whose net is a small difference; coupling.loads = force"
+    if worst == SHAKEN:
+        return why_unknown(scene, n)
     if n.water is not None and worst.startswith("fluid"):
         if n.water.model in PARTICLE_FLUIDS and n.water.bottomless > 0.0:
             return "the water falls away: under some of it there is nothing"

@@ -38,6 +38,7 @@ from coupler.preflight.rules_water import (
     courant_fluid,
     falls_out,
     froude,
+    jolt,
     mach,
     neighbours,
     slopes,
@@ -49,6 +50,7 @@ from shared.schema import Scene
 
 RULES: tuple[Rule, ...] = (
     mach,
+    jolt,
     helmholtz,
     froude,
     slenderness,

@@ -4,15 +4,18 @@ from __future__ import annotations
 
 import math
 
-from coupler.preflight.finding import Finding, above, below, graded, of_particles
+from coupler.preflight.finding import PUSHES, STEADY, Finding, above, below, graded, of_particles
 from coupler.preflight.numbers import Numbers
+from coupler.preflight.plate import goals_quantity
 from coupler.preflight.water import LEVEL
-from shared.expected_speed import water_speed
+from shared.expected_speed import shaken_speed, structure_speed, water_speed
 from shared.fluid_step import COURANT, LARGEST_COURANT
 from shared.schema import Scene
 from shared.schema_geometry import Domain
+from shared.shakers import shakers
 
 MACH_WARN, MACH_REFUSE = 0.2, 0.5  # density varies by Ma²: 4 %, a quarter
+JOLT_WARN = 0.3  # of a push
 MACH_IDLE = 0.02  # five times the usual sound speed, and as many steps, for a density that varies by 0.04 %
 FASTEST_SOUND = 5000.0  # m/s: no liquid's is faster, so that an artificial one above it follows from a wrong number
 ARTIFICIAL = 0.05  # of the fluid's own viscosity
@@ -31,7 +34,8 @@ def mach(scene: Scene, n: Numbers) -> Finding | None:
     w = n.water
     value = w.speed / w.sound_speed
     verdict = above(value, MACH_WARN, MACH_REFUSE)
-    reason = f"up to {w.speed:.3g} m/s at c0 = {w.sound_speed:.3g} m/s: density varies by {100 * value**2:.2g} %"
+    most = "shaken as if by" if shaken_speed(scene) == w.speed else "up to"
+    reason = f"{most} {w.speed:.3g} m/s at c0 = {w.sound_speed:.3g} m/s: density varies by {100 * value**2:.2g} %"
     if verdict != "ok":
         return Finding("Mach", value, verdict, reason, f"fluid.sound_speed = {10.0 * w.speed:.3g}, or auto")
     if w.sound_speed > FASTEST_SOUND:
@@ -49,8 +53,9 @@ def froude(scene: Scene, n: Numbers) -> Finding | None:
     if not of_particles(n) or g == 0.0:
         return None
     w = n.water
-    value = w.speed / math.sqrt(g * w.height)
-    rise = w.speed**2 / (2.0 * g)
+    speed = max(water_speed(scene), structure_speed(scene))
+    value = speed / math.sqrt(g * w.height)
+    rise = speed**2 / (2.0 * g)
     reason = f"the fastest water can rise {rise:.3g} m"
     if isinstance(scene.domain, Domain) and scene.gravity[0] == 0.0 and not w.pulled:
         room = scene.domain.upper[1] - scene.domain.lower[1]
@@ -120,6 +125,18 @@ def viscosity(scene: Scene, n: Numbers) -> Finding | None:
         why = f"{reason}, all of it artificial: the flow loses its energy on a way of some widths"
         return Finding("Reynolds", value, "warn", why, f"fluid.alpha = {scene.fluid.alpha * value / 500.0:.2g}")
     return Finding("Reynolds", value, "ok", reason)
+
+
+def jolt(scene: Scene, n: Numbers) -> Finding | None:
+    """What a prescribed motion that starts or ends with a jump sets ringing, over its own largest push."""
+    if not of_particles(n) or not shakers(scene) or goals_quantity(scene) not in PUSHES:
+        return None
+    value = max(one.jolt(n.water.sound_speed) for one in shakers(scene))
+    reason = "the water rings on by so much of what its largest acceleration presses"
+    if value <= JOLT_WARN or scene.goal.statistic in STEADY:
+        return Finding("jolt", value, "ok", reason)
+    why = f"a prescribed motion starts or ends with a jump of speed or acceleration: {reason}"
+    return Finding("jolt", value, "warn", why, "a motion that starts and ends gently, over several crossings of sound")
 
 
 def falls_out(scene: Scene, n: Numbers) -> Finding | None:

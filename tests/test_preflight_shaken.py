@@ -1,0 +1,105 @@
+"""Pre-flight of water in which something is moved by a time table: its sound speed, and forces on what is moved."""
+
+from __future__ import annotations
+
+import math
+
+import pytest
+
+from coupler.preflight.ladder import ladder
+from shared.expected_speed import sound_speed
+from tests.preflights import bound_of, verdicts_of
+from tests.scenes import scene_of
+
+SHAKEN = """\
+schema = 1
+title = "A block shaken in a box of water"
+end_time = 2.0
+[fluid]
+model = "wcsph"
+dx = 0.01
+h_over_dx = 2.0
+alpha = 0.05
+bodies = [{ name = "water", difference = [{ rectangle = [-0.1, -0.1, 0.1, 0.1] },
+  { rectangle = [-0.04, -0.04, 0.04, 0.04] }] }]
+[[walls]]
+name = "box"
+polyline = WALL
+[solid]
+model = "rigid"
+dx = 0.01
+density = 1000.0
+bodies = [{ name = "block", rectangle = [-0.04, -0.04, 0.04, 0.04] }]
+[solid.motion]
+times = TIMES
+translation = WAYS
+[[probes]]
+name = "push"
+body = "block"
+quantity = "force-x"
+[goal]
+probe = "push"
+statistic = "max"
+error = 0.3
+"""
+BOX = "[[-0.1, -0.1], [0.1, -0.1], [0.1, 0.1], [-0.1, 0.1]]\nclosed = true"
+TANK = "[[-0.1, 0.3], [-0.1, -0.1], [0.1, -0.1], [0.1, 0.3]]"
+OMEGA = 4.0 * math.pi
+
+
+def eased(time: float) -> float:
+    """A sine that starts gently, over a period."""
+    grown = min(time, 1.0)
+    return math.sin(OMEGA * time) * grown**3 * (10.0 - 15.0 * grown + 6.0 * grown**2)
+
+
+def shaken(folder, way=0.005, start=eased, sets=(), wall=BOX):
+    times = [0.0125 * k for k in range(161)]
+    ways = [[way * start(time), 0.0] for time in times]
+    return scene_of(SHAKEN.replace("TIMES", str(times)).replace("WAYS", str(ways)).replace("WALL", wall), folder, sets)
+
+
+def test_water_that_is_shaken_tells_its_sound_speed(tmp_path):
+    """At ten times the speed of the block, 0.63 m/s, runs ended, not weakly compressible any more, bound by 7 %."""
+    pressed = math.sqrt(2.0 * OMEGA * 0.02 * OMEGA * 0.2)
+    assert sound_speed(shaken(tmp_path, 0.02)) == pytest.approx(10.0 * pressed, rel=0.03)
+    assert sound_speed(shaken(tmp_path, 1e-4)) == pytest.approx(2.5 * OMEGA * 0.2, rel=0.03), "crossed in 0.4 rad"
+    assert verdicts_of(shaken(tmp_path))["Mach"] == "ok"
+    assert verdicts_of(shaken(tmp_path, sets=["fluid.sound_speed=0.63"]))["Mach"] == "refuse"
+
+
+def test_what_shakes_water_slowly_leaves_its_sound_speed(tmp_path):
+    weighs = shaken(tmp_path, 1e-3, sets=["gravity=[0.0, -9.81]"], wall=TANK)
+    assert sound_speed(weighs) == pytest.approx(10.0 * math.sqrt(2.0 * 9.81 * 0.2))
+
+
+@pytest.mark.parametrize(
+    ("start", "way", "found", "jolt"),
+    [
+        (eased, 1e-3, 0.0485, "ok"),
+        (lambda time: 1.0 - math.cos(OMEGA * time), 1e-3, 0.535, "warn"),
+        (lambda time: math.sin(OMEGA * time), 1e-3, 3.57, "warn"),
+    ],
+)
+def test_a_motion_that_starts_with_a_jump_rings(tmp_path, start, way, found, jolt):
+    """`found`: largest forces against 10.8 kg/m of added mass times the largest acceleration; 7.5 % were told."""
+    scene = shaken(tmp_path, way, start)
+    assert found <= bound_of(scene) < max(4.2 * found, 0.1)
+    assert verdicts_of(scene)["jolt"] == jolt
+    mean = shaken(tmp_path, way, start, ["goal.statistic=mean"])
+    assert verdicts_of(mean)["jolt"] == "ok"
+
+
+def test_a_lattice_that_melts_makes_a_full_box_ring(tmp_path):
+    """Largest forces were 75 % (wcsph), 40 % (ctvf) too large, and 30 % at half the spacing; 7.5, 2.5, 3.8 % told."""
+    for sets in ([], ["fluid.model=ctvf"], ["fluid.dx=0.005"]):
+        assert bound_of(shaken(tmp_path, sets=sets)) == math.inf
+    assert any("full box rings" in rung.reason for rung in ladder(shaken(tmp_path, 0.011)))
+    open_above = shaken(tmp_path, sets=["gravity=[0.0, -9.81]"], wall=TANK)
+    assert 0.2 < bound_of(open_above) < 0.6, "its surface lets sound out"
+
+
+def test_what_shakes_water_faster_than_its_sound_has_no_bound(tmp_path):
+    scene = shaken(tmp_path, 1e-3, sets=["fluid.sound_speed=1.5"])
+    assert bound_of(scene) == math.inf
+    assert any("faster than its sound" in rung.reason for rung in ladder(scene))
