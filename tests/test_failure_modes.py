@@ -42,6 +42,7 @@ MODES = (
         "piston",
         spoil=LAGGED,
         cure=("coupling.scheme=serial-implicit",),
+        flagged="window α",
         said=r"ledger is past its limit .* energy",
         shorten=("end_time=1.0", "references=[]"),
     ),

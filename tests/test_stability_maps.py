@@ -8,6 +8,7 @@ import math
 import numpy as np
 import pytest
 
+from coupler.preflight.error import error_bound
 from coupler.preflight.numbers import scene_numbers
 from coupler.preflight.rules import findings
 from coupler.preflight.rules_joint import ALPHA_REFUSE
@@ -16,7 +17,15 @@ from coupler.stability.check import check_map
 from coupler.stability.lattice import largest_courant, wave_numbers
 from coupler.stability.map import load_map, shipped_maps
 from coupler.stability.runs import DIED_OUT, MEASURES, Watched, boundary, cell_scene, growth_of, measure, rise_of
-from coupler.stability.theory import THEORIES, acoustic, growth, incompressible, lagged_column, largest_stable
+from coupler.stability.theory import (
+    THEORIES,
+    acoustic,
+    echo_gain,
+    growth,
+    incompressible,
+    lagged_column,
+    largest_stable,
+)
 from shared.contract import BadInput
 from shared.kernels import kernel_named
 from shared.scene import load_scene
@@ -45,6 +54,24 @@ def test_preflight_refuses_windows_from_where_no_water_damps_enough():
             "hydrostatic_plate", ["coupling.window=1e-3", "coupling.predictor=2", f"coupling.scheme={scheme}"]
         )
         assert next(f for f in findings(scene, scene_numbers(scene)) if f.rule == "window α").verdict == verdict
+
+
+@pytest.mark.parametrize(
+    ("order", "scheme"), [(0, "serial-explicit"), (2, "serial-explicit"), (1, "parallel-explicit")]
+)
+def test_what_an_echo_gains_is_the_growth_of_the_column(order, scheme):
+    """The pulse's gain at the structure, once every k windows, against the largest root of the whole equation."""
+    alpha, k = 0.05, 40
+    grown = k * math.log(growth(acoustic(alpha, order, 1.0, k, scheme)))
+    assert math.log(echo_gain(alpha, order, scheme)) == pytest.approx(grown, rel=0.06)
+    assert echo_gain(0.0, order, scheme) == pytest.approx(1.0)
+
+
+def test_a_swing_that_lag_makes_grow_has_no_bound():
+    """In windows of 1 ms the piston's peak is 0.6 % off, under a bound that was 0.5 %; in 0.2 ms it is 0.1 % off."""
+    for window, bound in ((1e-3, math.inf), (2e-4, 5e-3)):
+        scene = load_scene("piston", ["coupling.scheme=serial-explicit", f"coupling.window={window}"])
+        assert error_bound(scene, scene_numbers(scene)) == pytest.approx(bound, abs=1e-3)
 
 
 def simulate(alpha, order, reflection, k, windows, parallel):

@@ -9,6 +9,7 @@ worst found; dx spacing of the fluid. The structure's part, and what its swing a
                        upright plate what the levels take off its way (upright.py: 3.9 % between two waters); 30 % of
                        the swing of a plate that bends, whose water flows sideways too (share of the first mode,
                        numbers.py); no bound of that of an upright one, whose water gives way upward    a sprung gate
+                       none where lagged exchange makes a swing grow a hundred times until the end      piston
     its points         of both, n along a plate that bends: 3/n⁴ under columns on a cantilever, of a plate between two
                        clamps 6/n⁴ (still), 15/n⁴ (column); less than four links, or five columns, do not tell its
                        curvature: 1.2/n², 1.2/n⁴                           a dam of steel before 10 cm of mercury
@@ -65,6 +66,7 @@ from coupler.preflight.plate import goals_probe, goals_quantity, of_a_body, plat
 from coupler.preflight.resonance import RESONANCE, resonance
 from coupler.preflight.swing import RADIATES, carries_sound, dragged, late, radiates
 from coupler.preflight.upright import levels_pull
+from coupler.preflight.window import GROWTH_WARN, lag_growth
 from shared.geometry import corners_of
 from shared.regions import axes_of
 from shared.schema import Scene
@@ -126,6 +128,8 @@ def _fluid(scene: Scene, n: Numbers) -> float:
     if water.model not in PARTICLE_FLUIDS:
         bends = n.plate is not None and n.plate.model not in RIGID_MODELS
         if not water.rests or floats or (closed and scene.fluid.column.far_end == "open"):
+            return UNKNOWN
+        if lag_growth(scene, n) > math.log(GROWTH_WARN):
             return UNKNOWN
         if steady:
             return STILL + _off_columns_level(scene, n) + _at_points(scene, n)

@@ -7,8 +7,9 @@ import math
 from coupler.preflight.error_lattice import MANY_NEIGHBOURS, lattice_hold
 from coupler.preflight.finding import COLUMN, STEADY, Finding, above, below, graded, of_particles
 from coupler.preflight.numbers import Numbers
-from coupler.preflight.swing import RADIATES, dragged, sounding
-from coupler.preflight.window import expected_plan, expected_window
+from coupler.preflight.swing import RADIATES, carries_sound, dragged, sounding
+from coupler.preflight.window import GROWTH_WARN, expected_plan, expected_window, lag_growth
+from coupler.stability.theory import incompressible, largest_stable
 from coupler.window import largest_alpha
 from shared.ghost_inertia import ghost_inertia, ghosts_feel_acceleration, largest_inertia
 from shared.schema import Scene
@@ -21,6 +22,7 @@ MASS_RATIO_WARN = 50.0  # the heaviest water that was run explicitly over its pl
 ALPHA_WARN = 8.0 / 7.0  # of the largest of automatic windows; 0.07 decays and 0.14 grows on a reflecting column
 ALPHA_REFUSE = {"serial": (2.0, 1.155, 0.709), "parallel": (0.667, 0.252, 0.078)}
 """Limits on an absorbing column, by predictor order: coupler/stability/theory.py."""
+GROWTH_REFUSE = 1e16  # times that lag makes a swing on a column grow: rounding becomes all there is
 LEAST_WINDOWS = 10.0
 """Iterated windows in a swing; refused below one: a peak is 1 % off at 6, a mean 4 % at a third of one (floors)."""
 SUPPORT_WARN, SUPPORT_REFUSE = 1.0, 0.5  # thickness over support: water sees water through the plate below 1
@@ -67,9 +69,12 @@ def mass_ratio(scene: Scene, n: Numbers) -> Finding | None:
     if n.joint is None or n.plate.model == "rigid":
         return None
     value, scheme = n.joint.mass_ratio, scene.coupling.scheme
-    if n.water.boxed and n.joint.closes:
-        limit = 1.0 / (2.0 ** (scene.coupling.predictor + 1) - 1.0)
-        reason = f"the plate closes a box of water: an explicit exchange diverges above {limit:.3g}"
+    column = n.water.model == "column" and not scene.fluid.column.compressible
+    if column or (n.water.boxed and n.joint.closes):
+        protocol = scheme if scheme.endswith("explicit") else "serial-explicit"
+        limit = largest_stable(lambda r: incompressible(r, scene.coupling.predictor, protocol), 4.0)
+        what = "a column moves as one" if column else "the plate closes a box of water"
+        reason = f"{what}: an explicit exchange diverges above {limit:.3g}"
         if value > limit and scheme.endswith("explicit"):
             return Finding("mass ratio", value, "refuse", reason, "an implicit scheme with iqn-ils, or scheme = auto")
         return Finding("mass ratio", value, "ok", reason)
@@ -94,7 +99,7 @@ def density_ratio(scene: Scene, n: Numbers) -> Finding | None:
 def window_number(scene: Scene, n: Numbers) -> Finding | None:
     """α = ρ_f c0 Δt/(ρ_s t) of the coupling window: how far sound lets a lagged load run ahead."""
     window = expected_window(scene, n)
-    if window is None or not of_particles(n) or n.plate.model == "rigid":
+    if window is None or not carries_sound(scene) or n.plate.model == "rigid":
         return None
     value = n.water.density * n.water.sound_speed * window / (n.plate.density * n.plate.thinnest)
     reason = f"window {window:.3g} s"
@@ -107,11 +112,24 @@ def window_number(scene: Scene, n: Numbers) -> Finding | None:
         few = f"{reason}, iterated: {seen:.2g} windows in a swing of the {n.plate.name}"
         way_out = f"coupling.window = {window * seen / LEAST_WINDOWS:.3g} or auto"
         return Finding("window α", value, below(seen, LEAST_WINDOWS, 1.0), few, way_out)
+    if n.water.model == "column":
+        return _lagged_on_column(scene, n, value, reason)
     limit = ALPHA_REFUSE["parallel" if asked.startswith("parallel") else "serial"][scene.coupling.predictor]
     most = min(ALPHA_WARN * largest_alpha(asked, scene.coupling.predictor), 0.9 * limit)
     verdict = above(value, most * (1.0 + 1e-9), limit)
     way_out = f"coupling.window = {window * most / value:.3g} or auto"
     return graded("window α", value, verdict, f"{reason}, limit {limit:g}", way_out)
+
+
+def _lagged_on_column(scene: Scene, n: Numbers, value: float, reason: str) -> Finding:
+    """What is known of columns: by how much lag makes a swing grow until the end."""
+    grown = lag_growth(scene, n)
+    verdict = above(grown, math.log(GROWTH_WARN), math.log(GROWTH_REFUSE))
+    if verdict == "refuse" and scene.coupling.scheme == "auto":
+        verdict = "warn"  # which leaves it when it sees it
+    often = "without end" if grown == math.inf else f"10^{grown / math.log(10.0):.2g} times until the end"
+    way_out = "coupling.scheme = serial-implicit, or a much shorter coupling.window"
+    return graded("window α", value, verdict, f"{reason}: lag makes a swing on the column grow {often}", way_out)
 
 
 def support(scene: Scene, n: Numbers) -> Finding | None:

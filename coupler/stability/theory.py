@@ -33,6 +33,7 @@ _ROUND = 1e-9  # past 1, below which a root counts as on the unit circle
 _SCAN = 400  # values looked at before the boundary is bisected
 _BISECTIONS = 50
 _WHOLE = 1e-6  # how far 2/A may be off a whole number
+_ANGLES = 1000  # swings from the slowest to one of two windows
 _MOST_WINDOWS = 200  # of a pulse's way, as many roots as are looked for
 
 
@@ -52,6 +53,16 @@ def incompressible(r: float, order: int, scheme: str = "serial") -> Polynomial:
     """The polynomial in y of a structure on an incompressible column."""
     Q = PREDICTION[order]
     return 1 + r * (Q if scheme.startswith("serial") else Q * Q)
+
+
+def echo_gain(alpha: float, order: int, scheme: str = "serial") -> float:
+    """How many times as large a pulse leaves the structure as it came, at most, whatever its frequency: 1 without lag.
+
+    From the acoustic equation, R y^k = (2 (1 − y) + α (1 + y) Q w)/(2 (1 − y) − α (1 + y) Q w) on the unit circle.
+    """
+    y = np.exp(1j * np.linspace(0.0, np.pi, _ANGLES + 1)[1:])
+    inertia, load = 2 * (1 - y), alpha * (1 + y) * PREDICTION[order](y) * lagged_wall(scheme, order)(y)
+    return float(np.max(np.abs((inertia - load) / (inertia + load))))
 
 
 def growth(polynomial: Polynomial) -> float:
