@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from shared.expected_speed import water_speed
+from shared.expected_speed import viscous_speed, water_speed
 from shared.geometry import fill
 from shared.scene_geometry import WANTED_ACROSS, WANTED_ANISOTROPY, WANTED_RATIO, across
 from shared.scene_models import MODEL_WARNINGS
@@ -101,6 +101,13 @@ def _sound_speed(scene: Scene) -> Iterator[str]:
             yield (
                 f"fluid.sound_speed = {scene.fluid.sound_speed:g}: water is expected to reach {speed:.3g} m/s; ten "
                 "times that keeps density within 1 %"
+            )
+        stress = viscous_speed(scene)
+        if stress > max(speed, _SAFE_MACH * scene.fluid.sound_speed):
+            yield (
+                f"fluid.sound_speed = {scene.fluid.sound_speed:g}: where something stands in the way of a flow this "
+                f"viscous, its stresses press like water at √(ν U/dx) = {stress:.3g} m/s; ten times that keeps density "
+                "within 1 %"
             )
 
 

@@ -132,7 +132,8 @@ class Fluid(Table):
             "fluid's height, and on to floors below it where the run lasts so long, from its initial speed, the speed "
             "at which walls and structures push it, and what weight along a period gives it until the end, or until "
             "what sticks to walls holds it; what is moved to and fro by a table counts as a fall at its acceleration, "
-            "and sound crosses the water in 0.4 rad of it)"
+            "and sound crosses the water in 0.4 rad of it), or √(ν U/dx) if more, U the speed at which the "
+            "flow starts or is driven: viscous stresses press as much"
         ),
     )
     kernel: KernelName = key("wendland-c2", about="smoothing kernel")

@@ -12,8 +12,10 @@ from coupler.preflight.numbers import scene_numbers
 from fluid_solver.models import make_model
 from shared.commands import conclude
 from shared.contract import BadInput, Kinematics
+from shared.expected_speed import sound_speed, viscous_speed
 from shared.probes import ProbeTable, probe_units
 from shared.results import make_result
+from shared.scene import scene_warnings
 from tests.preflights import bound_of, verdicts_of
 from tests.scenes import SPRUNG, scene_of
 
@@ -166,6 +168,24 @@ def test_what_moves_in_the_water_tells_its_sound_speed(tmp_path, moves, sets, sp
     assert make_model(scene, True, 1).describe().numbers["sound_speed"] == pytest.approx(10.0 * speed)
     slow = scene_of(BLOCK.replace("MOVES", moves), tmp_path, [*sets, f"fluid.sound_speed={speed}"])
     assert verdicts_of(slow)["Mach"] == "refuse"
+
+
+def test_viscous_stresses_tell_a_sound_speed(tmp_path):
+    """Found: a cylinder in creeping flow, no pressure on it; sound ran at ten times the flow's speed, Mach 0.1."""
+    cases = {
+        viscosity: scene_of(BLOCK.replace("MOVES", "velocity = [1.0, 0.0]"), tmp_path, [f"fluid.viscosity={viscosity}"])
+        for viscosity in (1e-6, 1.0)
+    }
+    dx = cases[1.0].fluid.dx
+    assert sound_speed(cases[1e-6]) == pytest.approx(10.0)
+    assert sound_speed(cases[1.0]) == pytest.approx(10.0 * math.sqrt(1.0 / dx))
+    assert {verdicts_of(case)["Mach"] for case in cases.values()} == {"ok"}
+    falls = cases[1.0].model_copy(update={"gravity": (0.0, -9.81)})
+    assert viscous_speed(falls) == viscous_speed(cases[1.0])  # weight limits the stresses of a fall
+    slow = [f"fluid.viscosity={50.0 * dx}", "fluid.sound_speed=10"]
+    slow = scene_of(BLOCK.replace("MOVES", "velocity = [1.0, 0.0]"), tmp_path, slow)
+    assert verdicts_of(slow)["Mach"] == "warn"
+    assert any("its stresses press" in warning for warning in scene_warnings(slow))
 
 
 def test_water_in_which_a_body_drifts_does_not_rest(tmp_path):

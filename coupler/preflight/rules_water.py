@@ -8,7 +8,7 @@ from coupler.preflight.finding import PUSHES, STEADY, Finding, above, below, gra
 from coupler.preflight.numbers import Numbers
 from coupler.preflight.plate import goals_quantity
 from coupler.preflight.water import LEVEL
-from shared.expected_speed import shaken_speed, structure_speed, water_speed
+from shared.expected_speed import shaken_speed, structure_speed, viscous_speed, water_speed
 from shared.fluid_step import COURANT, LARGEST_COURANT
 from shared.schema import Scene
 from shared.schema_geometry import Domain
@@ -28,21 +28,25 @@ H_OVER_DX_FALLING = 1.7  # dam_break_wall at 2.0: 11 to 20 particles in the wall
 
 
 def mach(scene: Scene, n: Numbers) -> Finding | None:
-    """Largest expected speed over the artificial sound speed."""
+    """Largest expected speed over the artificial sound speed, or that of viscous stresses, which press only where
+    something stands in the way of the flow: no reason to refuse."""
     if not of_particles(n):
         return None
-    w = n.water
-    value = w.speed / w.sound_speed
-    verdict = above(value, MACH_WARN, MACH_REFUSE)
-    most = "shaken as if by" if shaken_speed(scene) == w.speed else "up to"
-    reason = f"{most} {w.speed:.3g} m/s at c0 = {w.sound_speed:.3g} m/s: density varies by {100 * value**2:.2g} %"
+    w, viscous = n.water, viscous_speed(scene)
+    fastest = max(w.speed, viscous)
+    value = fastest / w.sound_speed
+    verdict = "refuse" if w.speed > MACH_REFUSE * w.sound_speed else above(value, MACH_WARN)
+    most = f"{'shaken as if by' if shaken_speed(scene) == w.speed else 'up to'} {w.speed:.3g} m/s"
+    if viscous > w.speed:
+        most = f"viscous stresses up to {w.density * viscous**2:.3g} Pa"
+    reason = f"{most} at c0 = {w.sound_speed:.3g} m/s: density varies by {100 * value**2:.2g} %"
     if verdict != "ok":
-        return Finding("Mach", value, verdict, reason, f"fluid.sound_speed = {10.0 * w.speed:.3g}, or auto")
+        return Finding("Mach", value, verdict, reason, f"fluid.sound_speed = {10.0 * fastest:.3g}, or auto")
     if w.sound_speed > FASTEST_SOUND:
         why = f"{reason}; sound in water itself runs at 1480 m/s"
         return Finding("Mach", value, "warn", why, "check the units of gravity, motions, velocities and lengths")
     if 0.0 < value < MACH_IDLE and water_speed(scene) > 0.0:  # a structure's start is no bound of what water reaches
-        way_out = f"fluid.sound_speed = {10.0 * w.speed:.3g} takes {0.1 / value:.3g} times fewer steps"
+        way_out = f"fluid.sound_speed = {10.0 * fastest:.3g} takes {0.1 / value:.3g} times fewer steps"
         return Finding("Mach", value, "warn", reason, way_out)
     return Finding("Mach", value, "ok", reason)
 
