@@ -40,12 +40,7 @@ class Lines:
         if self._file is None or self._file.closed:
             return
         self._file.close()
-        left = self._path.stat().st_size if self._path.exists() else 0
-        if left < self._size and self._path.parent.exists():  # a folder that is gone is told of by who writes there
-            say(
-                f"warning: {self._path} holds {left} bytes, and {self._size} were written to it: another program has "
-                "removed it or cut it short since the run began, and its lines are lost."
-            )
+        tell_of_loss(self._path, self._size, "its lines are lost")
 
     def _open(self):
         """The file as it was after `_size` bytes; what is added stands at its end, wherever others put that."""
@@ -53,6 +48,16 @@ class Lines:
         if file.tell() > self._size:
             file.truncate(self._size)
         return file
+
+
+def tell_of_loss(path: Path, size: int, consequence: str) -> None:
+    """Warn where a file that grows at its end holds less than the `size` bytes written to it."""
+    left = path.stat().st_size if path.exists() else 0
+    if left < size and path.parent.exists():  # a folder that is gone is told of by who writes there
+        say(
+            f"warning: {path} holds {left} bytes, and {size} were written to it: another program has removed it or cut "
+            f"it short since the run began, and {consequence}."
+        )
 
 
 def _first_lines(path: Path, count: int) -> list[str]:

@@ -19,6 +19,7 @@ from shared.schema import Scene
 from shared.stopping import STOP
 from shared.streams import say
 from shared.unwritable import cannot_write, met_limit
+from shared.whole import write_whole
 
 _OF_THE_SYSTEM = re.compile(r"\[Errno \d+\]")
 
@@ -119,8 +120,16 @@ class Record:
             say(way)
         STOP.ending = status == "interrupted"
 
+    def _keep_scene(self) -> None:
+        """A scene that another program has removed meanwhile stands again, for whoever goes on with the run."""
+        case_file = self.run_dir / "case.toml"
+        if self.run_dir.exists() and not case_file.exists():
+            write_whole("The scene", case_file, self._text.encode())
+            say(f"warning: {case_file} was gone, removed by another program since the run began: it is written again.")
+
     def _conclude(self, status: str, reason: str) -> None:
         """Write the result and draw the pictures."""
+        self._keep_scene()
         self.result = make_result(
             self._scene,
             self._text,

@@ -14,6 +14,7 @@ from zlib import crc32
 
 from shared.checkpoint import AGAIN
 from shared.contract import BadInput
+from shared.lines import tell_of_loss
 from shared.wire import Message, encode
 
 RUN = "recorded"
@@ -33,28 +34,32 @@ class Recorder:
     """Writes the recording `path`. `windows`: go on with the file that is there, behind this many windows."""
 
     def __init__(self, path: Path, windows: int | None = None):
-        self._sequence = 0
+        self._path = path
+        self._sequence = self._size = 0
         self._beyond = windows is not None  # whether the file may hold more than it is gone on behind
         if windows is None:
-            self._file = path.open("wb")
+            self._file = path.open("ab")
             return
         try:
-            self._file = path.open("r+b")
+            path.stat()  # one that is gone is not to be made
+            self._file = path.open("a+b")
         except OSError as error:
             raise BadInput(f"The recording {path} cannot be gone on with ({error}). {AGAIN}") from error
+        self._file.seek(0)
         for _ in range(BEFORE_WINDOWS + windows):
             if not _next(self._file):
                 raise BadInput(f"The recording {path} ends after {self._sequence} messages. {AGAIN}")
             self._sequence += 1
+        self._size = self._file.tell()
 
     def add(self, verb: str, **parts) -> None:
         """Add a request; `parts` as of `Message`."""
         if self._beyond:
-            self._file.truncate()
+            self._file.truncate(self._size)
             self._beyond = False
         data = encode(Message(RUN, "coupler", verb, self._sequence, **parts))
         head = _HEAD.pack(len(data), crc32(data))
-        self._file.write(head + _SUM.pack(crc32(head)) + data)
+        self._size += self._file.write(head + _SUM.pack(crc32(head)) + data)
         self._sequence += 1
 
     def flush(self) -> None:
@@ -64,6 +69,8 @@ class Recorder:
     def close(self) -> None:
         """Close the file."""
         self._file.close()
+        if not self._beyond:
+            tell_of_loss(self._path, self._size, "nothing can be replayed from there on")
 
 
 def messages(path: Path) -> Iterator[bytes]:

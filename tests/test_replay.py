@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import os
 
 import pytest
 
@@ -11,7 +12,7 @@ import fluid_solver.models
 import solid_solver.models
 from coupler.run import resume_coupled, run_coupled
 from shared.contract import BadInput, ParticipantLost
-from shared.recording import messages, recording_of
+from shared.recording import Recorder, messages, recording_of
 from shared.resume import unfinished
 from shared.scene import load_scene
 from shared.solo import replay_alone
@@ -62,6 +63,21 @@ def test_a_recording_that_ends_too_soon_says_when(recorded, tmp_path):
     result = json.loads((tmp_path / "run" / "result.json").read_text())
     assert (result["status"], 0.0 < result["t_end"] < 0.01) == ("lost", True)
     assert "ends at t" in result["reason"]
+
+
+def test_a_recording_that_another_program_took_is_told_of(tmp_path, capsys):
+    """It was not: the run had finished, with zeros where its messages had been."""
+    for harm in (lambda path: path.unlink(), lambda path: os.truncate(path, 30), None):
+        recorder = Recorder(path := tmp_path / f"{harm}.exchange")
+        recorder.add("describe")
+        recorder.flush()
+        if harm is not None:
+            harm(path)
+        recorder.add("start")
+        recorder.close()
+        said = capsys.readouterr().err
+        assert said.startswith(f"warning: {path} holds ") if harm is not None else said == ""
+        assert not path.exists() or bytes(30) not in path.read_bytes()
 
 
 def test_what_cannot_be_replayed(recorded, tmp_path):

@@ -15,6 +15,7 @@ from shared.checkpoint import Checkpoints
 from shared.contract import ShearwaterError
 from shared.record import Record
 from shared.results import read_result, write_result
+from shared.resume import unfinished
 from shared.scene import load_scene
 from shared.stopping import STOP, ask_once_more, stopping_between_windows
 from shared.unwritable import cannot_write
@@ -35,6 +36,23 @@ def test_what_a_run_has_is_written_down_however_often_it_is_asked_to_stop(tmp_pa
         STOP.ask()  # another run waits for the end of its window
         with pytest.raises(KeyboardInterrupt):
             STOP.here()
+
+
+def test_a_scene_that_another_program_took_stands_again(tmp_path, monkeypatch, capsys):
+    """It was gone without a word, and the command that goes on, named at the end, was refused."""
+    monkeypatch.setattr(shared.pictures, "draw_pictures", lambda *_: [])
+
+    def run():
+        with Record(tmp_path, load_scene("piston"), "piston", {"solid": 1}, True) as record:
+            checkpoints = Checkpoints(tmp_path, 1.0)
+            checkpoints.seal(checkpoints.begin(0), 0, 0.0, record.notes())
+            (tmp_path / "case.toml").unlink()
+            raise KeyboardInterrupt
+
+    with pytest.raises(KeyboardInterrupt):
+        run()
+    assert "case.toml was gone, removed by another program" in capsys.readouterr().err
+    unfinished(tmp_path).held.close()
 
 
 @pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
