@@ -213,6 +213,18 @@ def test_what_the_machine_ends_is_no_bad_run(written, tmp_path, monkeypatch):
     assert not (tmp_path / "out" / "runs.jsonl").exists()
 
 
+def test_a_reference_whose_run_fails_is_told_of_as_such(written, tmp_path, monkeypatch):
+    """It ended the map with the words of the run alone, as if a cell had no right to fail."""
+
+    def failing(scene):
+        raise SolverFailed("the fluid diverged")
+
+    monkeypatch.setattr(runs, "_watch", failing)
+    criterion = 'criterion = { measure = "deviation", probe = "kinetic_energy", limit = 0.1, reference = 0.7 }'
+    with pytest.raises(BadInput, match=r"criterion\.reference = 0\.7: .*take one that is good\. the fluid diverged"):
+        find_boundaries(load_map(written(CRITERION, criterion)), tmp_path / "map", print)
+
+
 def test_the_vocabulary_is_documented_as_it_is_and_its_example_holds(tmp_path):
     text = reference_file().read_text(encoding="utf-8")
     assert text == renewed(text), "python -m coupler.stability.reference renews it"

@@ -79,10 +79,17 @@ def with_reference(criterion: Criterion, cell: Callable[[float], Scene], given: 
     if criterion.reference is None:
         return criterion
     scene = cell(criterion.reference)
-    value = given(reference_value, scene, criterion)
+    where = f"criterion.reference = {criterion.reference:g}: in the run of {scene.title!r} there"
+    try:
+        value = given(reference_value, scene, criterion)
+    except ShearwaterError as error:
+        if of_the_machine(error):
+            raise
+        ended = f"{where}, which others are measured against, something failed: take one that is good"
+        raise BadInput(f"{ended}. {error}") from error
     if not value:
         raise BadInput(
-            f"criterion.reference = {criterion.reference:g}: in the run of {scene.title!r} there the "
+            f"{where} the "
             f"{criterion.statistic} of {criterion.probe} is {'zero' if value == 0.0 else 'not to be had'}, and nothing "
             "can be measured against it: make the run longer, or take another probe or statistic."
         )
