@@ -18,6 +18,7 @@ viscous stresses   3.6 (h/λ)², λ the shear wave's length, twice a channel's w
                    alone where its weight, or walls that slide, drive the water along a period, beside the flow's where
                    it is held; 0.3 (h/dx − 2)² dx/width more where its weight does, for the mean of many neighbours is
                    not the flow at a wall
+moved through it   none with wcsph, many neighbours and a way of 2 dx           coupler/preflight/ploughed.py
 decay of vortices  the same; 50 % more where nothing shifts the particles (wcsph). What is left at the end errs by
                    e^(N times that) − 1 when it has fallen by e^−N                            taylor_green
 water let go       of its speed 0.6 g H/c0 (wcsph), 0.08 g H/c0 (ctvf) over the speed at the end: what its pressure
@@ -33,6 +34,7 @@ import numpy as np
 from coupler.preflight.finding import STEADY
 from coupler.preflight.numbers import Numbers
 from coupler.preflight.plate import goals_probe, goals_quantity
+from coupler.preflight.ploughed import ploughed
 from coupler.preflight.rules_water import LOOSE
 from shared.expected_speed import start_speed
 from shared.geometry import outline
@@ -74,7 +76,7 @@ def flow_error(scene: Scene, n: Numbers) -> float:
     if (water.pulled or _slid(scene)) and scene.fluid.viscosity > 0.0:  # a channel's profile is half a wave
         wide = max(0.0, scene.fluid.h_over_dx - ENOUGH) if water.pulled else 0.0
         return _viscous(scene, n, 2.0 * water.width) + BLURRED * wide**2 * water.dx / water.width
-    if torn(scene, n):
+    if torn(scene, n) or ploughed(scene):
         return math.inf
     least = min(water.width, _wavelength(scene, n))
     if n.plate is not None and n.plate.model == "spring":

@@ -7,6 +7,7 @@ import math
 from coupler.preflight.finding import PUSHES, STEADY, Finding, above, below, graded, of_particles
 from coupler.preflight.numbers import Numbers
 from coupler.preflight.plate import goals_quantity
+from coupler.preflight.ploughed import ploughed
 from coupler.preflight.water import LEVEL
 from shared.expected_speed import shaken_speed, structure_speed, viscous_speed, water_speed
 from shared.fluid_step import COURANT, LARGEST_COURANT
@@ -98,6 +99,9 @@ def neighbours(scene: Scene, n: Numbers) -> Finding | None:
     if n.water.waves and n.water.support < LOOSE * n.water.dx:
         waves = "with so few neighbours a lattice bears waves of its spacing's height: lower by a fifth, at any dx"
         return Finding("h/dx", value, "warn", waves, "fluid.h_over_dx = 2.0")
+    if ploughed(scene):
+        pressed = "particles that nothing shifts are pressed into what is moved through them: forces jump fivefold"
+        return Finding("h/dx", value, "warn", pressed, "fluid.model = ctvf")
     if least <= value <= most:
         return Finding("h/dx", value, "ok", kernel)
     if value < least:
