@@ -1,8 +1,8 @@
 """What a table moves through water of particles that has it on all sides.
 
 Particles that nothing shifts (wcsph) give way to it by 2.4 to 2.9 dx where the kernel's support is 3.2 to 4 dx; then
-they are pressed into it, and its forces jump to up to five times their size, whatever the time step, the speed and what
-is cut of tension. With a support of 2.6 dx forces stay smooth, and with ctvf (a cylinder and a square 16 dx wide, half a
+they are pressed into it, and its forces jump to up to five times their size, whatever the time step, the speed and the
+cut of tension. With a support of 2.6 dx forces stay smooth, and with ctvf (a cylinder and a square 16 dx wide, half a
 metre deep, at 1, 5 and 20 m/s²).
 """
 
