@@ -7,7 +7,7 @@ from scipy.spatial import cKDTree
 from fluid_solver import initial
 from fluid_solver.ghosts import lay_ghosts
 from fluid_solver.initial import boundary_faces, fluid_particles
-from fluid_solver.packing import CLEAR, slanted
+from fluid_solver.packing import CLEAR, cutting
 from shared.geometry import distance_to
 from shared.kernels import kernel_named
 from tests.fluid_models import begun, run, scene
@@ -37,7 +37,7 @@ def test_particles_stand_evenly_off_a_slope(monkeypatch):
     packed, ghosts = laid(case)
     monkeypatch.setattr(initial, "pack", lambda fluid, position, *_: position)
     lattice, _ = laid(case)
-    slopes = slanted(boundary_faces(case))
+    slopes = cutting(boundary_faces(case), lattice.position, DX)
     assert len(slopes) == 2
     gaps = [distance_to(slopes, one.position).min() / DX for one in (lattice, packed)]
     assert gaps[0] < 0.3
@@ -55,7 +55,22 @@ def test_particles_stand_evenly_off_a_slope(monkeypatch):
 
 def test_a_lattice_that_fits_its_faces_stays():
     case = scene([{"name": "water", "rectangle": (0.0, 0.0, 0.2, 0.1)}], dx=0.01)
-    assert len(slanted(boundary_faces(case))) == 0
+    assert len(cutting(boundary_faces(case), laid(case)[0].position, 0.01)) == 0
+
+
+def test_a_step_that_the_lattice_does_not_fit_is_packed_too(monkeypatch):
+    """A block in water at rest, half a spacing off: its lift 3.5 % low (h = 1.3 dx), now 0.1 %; half as stirred."""
+    step = [(0.0, 0.0), (0.1125, 0.0), (0.1125, 0.1), (0.3, 0.1), (0.3, 0.3), (0.0, 0.3)]
+    walls = [{"name": "tank", "polyline": [(0.0, 0.4), *step[:4], (0.3, 0.4)]}]
+    case = scene([{"name": "water", "polygon": step}], walls=walls, dx=DX, h_over_dx=1.3)
+    packed, _ = laid(case)
+    monkeypatch.setattr(initial, "pack", lambda fluid, position, *_: position)
+    lattice, _ = laid(case)
+    face = cutting(boundary_faces(case), lattice.position, DX)
+    assert len(face) == 1
+    gaps = [distance_to(face, one.position).min() / DX for one in (lattice, packed)]
+    assert gaps[0] < 0.3
+    assert gaps[1] > CLEAR - 0.05
 
 
 @pytest.mark.parametrize("h_over_dx", [1.3, 2.0])
