@@ -21,6 +21,10 @@ def test_no_false_alarm_on_a_shipped_case(case):
     assert {rule for rule, verdict in verdicts(case).items() if verdict != "ok"} == set()
 
 
+STEP = (
+    'fluid.bodies=[{ name = "water", difference = [{ rectangle = [0.0, 0.0, 0.5, 0.5] }, '
+    "{ rectangle = [0.075, 0.0, 0.5, 0.1] }] }]"
+)
 ARCH = (
     'solid.bodies=[{ name = "beam", difference = [{ rectangle = [0.0, 0.0, 0.2, 0.012] }, '
     "{ rectangle = [0.02, 0.0, 0.18, 0.0055] }] }]"
@@ -89,6 +93,7 @@ TRIPPED = (
     ("periods_seen", "oscillating_plate", ["goal.statistic=period", "end_time=0.4"], "periods seen", "refuse"),
     ("filled_area", "submerged_block", ["solid.bodies=[{ name='block', circle={ centre=[0.2, 0.16], radius=0.02 } }]",
                                         "solid.dx=0.014"], "filled area", "warn"),
+    ("filled_gaps", "still_tank", [STEP], "filled gaps", "warn"),
     ("filled_limbs", "udl_beam", [ARCH], "filled limbs", "warn"),
     ("steps", "udl_beam", ["end_time=1e5"], "steps", "warn"),
     ("steps", "dam_break", ["end_time=1e32"], "steps", "refuse"),

@@ -24,6 +24,7 @@ worst found; dx spacing of the fluid. The structure's part, and what its swing a
                        than h = 2 dx, and 0.09 R (1 − z/R)² of a sensor of reach R > z
                                                                        at 2.5 to 40 cm in half a metre, dx 1 to 4 cm
     its motion         no bound: it has none
+    rows that do not fit between two faces: no bound but of a mean, for water at rest is stirred     a submerged block
     a body afloat      a waterline within 0.4 dx besides: over its way to equilibrium where the goal is a displacement
                        along gravity, else over its thickness                                     floating rafts
     a body that swings in water of particles 1.5 dx/d (wcsph), 0.5 dx/d (ctvf), d its thickness if that is less; the
@@ -64,6 +65,7 @@ from coupler.preflight.held import lengthwise
 from coupler.preflight.numbers import Numbers
 from coupler.preflight.plate import goals_probe, goals_quantity, of_a_body, plates_body
 from coupler.preflight.resonance import RESONANCE, resonance
+from coupler.preflight.shapes import CROWDED, crowding
 from coupler.preflight.swing import RADIATES, carries_sound, dragged, late, radiates
 from coupler.preflight.upright import levels_pull
 from coupler.preflight.window import GROWTH_WARN, lag_growth
@@ -81,7 +83,7 @@ AT_POINTS = {"still": (0.0, 6.0), "column": (3.0, 15.0)}  # over n⁴, of a cant
 ENOUGH = {"still": 4, "column": 5}  # points of a face that tell how it is curved
 AT_FEW = ((1.2, 2), (1.2, 4))  # over a power of fewer
 REST = {"ctvf": 1.0, "wcsph": 3.0}
-CROWD, CROWDED = 2.0, 0.1  # from this h/dx on a lattice of particles bears hardly any shear, and rest is as much better
+CROWD, EASED = 2.0, 0.1  # from this h/dx on a lattice of particles bears hardly any shear, and rest is as much better
 SAG = 0.05  # of dx: what a lattice that bears shear takes off a level
 SENSOR = 0.09  # of a sensor's reach by (1 − depth/reach)²: what it feels too much where it reaches out of the water
 WATERLINE = 0.4  # of dx
@@ -166,14 +168,14 @@ def _at_rest(scene: Scene, n: Numbers, floats: bool) -> float:
     water, probe, steady = n.water, goals_probe(scene), scene.goal.statistic in STEADY
     if goals_quantity(scene) in MOTIONS and not of_a_body(scene):
         return UNKNOWN
-    if not steady and radiates(scene, n):
+    if (not steady and radiates(scene, n)) or stirred(scene, n):
         return UNKNOWN
     if not steady and n.plate is not None and n.plate.model == "spring":
         smooth = SMOOTH[water.model] * water.dx
         if n.joint.closes:  # it carries all the water along, and none flows round it
             return smooth / water.height * (0.5 if scene.goal.statistic in TIMES else 1.0) + _sounding(scene, n)
         return smooth / min(water.width, n.plate.thickness)
-    crowded = CROWDED if scene.fluid.h_over_dx >= CROWD else 1.0
+    crowded = EASED if scene.fluid.h_over_dx >= CROWD else 1.0
     error = REST[water.model] * water.dx / water.height * crowded * _left_of_weight(scene, n)
     if probe is not None and probe.quantity == "pressure":
         error += _near_surface(scene, n, probe)
@@ -184,6 +186,12 @@ def _at_rest(scene: Scene, n: Numbers, floats: bool) -> float:
     if not steady:
         error += _sounding(scene, n) + (DRAGGED if scene.goal.statistic in TIMES else DAMPED) * dragged(scene, n)
     return error + (_waterline(scene, n, probe) if floats else 0.0)
+
+
+def stirred(scene: Scene, n: Numbers) -> bool:
+    """Whether the goal is no mean, of water at rest that rows too many or too few between two faces stir."""
+    crowded = max(crowding(body, n.water.dx) for body in scene.fluid.bodies) > CROWDED
+    return crowded and n.water.rests and of_particles(n) and scene.goal.statistic not in STEADY
 
 
 def _over_faces(scene: Scene, n: Numbers) -> float:

@@ -13,7 +13,7 @@ from typing import Literal
 
 from coupler.preflight.afloat import afloat
 from coupler.preflight.cost import Cost, predicted_cost
-from coupler.preflight.error import FACES, Parts, error_parts
+from coupler.preflight.error import FACES, Parts, error_parts, stirred
 from coupler.preflight.error_flow import MOTIONS, torn
 from coupler.preflight.error_shaken import SHAKEN, why_unknown
 from coupler.preflight.error_solid import PHASE, SWING, not_bounded
@@ -22,6 +22,7 @@ from coupler.preflight.numbers import Numbers, scene_numbers
 from coupler.preflight.plate import goals_probe, goals_quantity, of_a_body, plates_body
 from coupler.preflight.rules import findings
 from coupler.preflight.rules_joint import helmholtz
+from coupler.preflight.shapes import CROWDED, crowding
 from coupler.preflight.variations import bends_at_points, coupled, dampings, fits, has_particles, refined, with_models
 from coupler.preflight.water import measure_water
 from shared.scene_checks import check_scene
@@ -124,7 +125,7 @@ def _rung(scene: Scene, fluid: str | None, solid: str | None, why: str) -> Rung:
     for factor in REFINEMENTS if has_particles(base) else FINER if bends_at_points(base) else (1.0,):
         tried, spacing = refined(base, factor)
         numbers = scene_numbers(tried)
-        if factor != 1.0 and not fits(numbers):
+        if factor != 1.0 and not (fits(numbers) and _no_more_crowded(tried, base)):
             continue
         judged = []
         for damped, damping in dampings(tried, numbers):
@@ -137,6 +138,14 @@ def _rung(scene: Scene, fluid: str | None, solid: str | None, why: str) -> Rung:
                 return judged[0]
         best = min([best, *judged] if best else judged, key=lambda rung: rung.error)
     return best
+
+
+def _no_more_crowded(scene: Scene, base: Scene) -> bool:
+    """Whether particles of a fluid fit the gaps of its bodies, or no worse than at the scene's own spacing."""
+    if scene.fluid is None or scene.fluid.model not in PARTICLE_FLUIDS:
+        return True
+    worst, own = (max(crowding(body, one.fluid.dx) for body in one.fluid.bodies) for one in (scene, base))
+    return worst <= max(CROWDED, own)
 
 
 def _startable(rung: Rung) -> Rung:
@@ -182,6 +191,8 @@ def _unable(scene: Scene, n: Numbers, worst: str) -> str:
                 return f"the low sound speed cannot resolve a {what}: {found.reason}"
             if n.water.rests and goals_quantity(scene) in MOTIONS:
                 return "the water rests: of a motion that is nothing there is no relative error"
+            if stirred(scene, n):
+                return "rows of particles do not fit between the faces, which stirs water at rest: see filled gaps"
             if torn(scene, n):
                 return "water may tear off a lid that slides beside walls that stand: ctvf, 50 dx across, Re 100 hold"
             return "what is left of the value is too little for a bound of its relative error"

@@ -33,7 +33,7 @@ from coupler.preflight.rules_plate import (
     printed_gradient,
     slenderness,
 )
-from coupler.preflight.rules_size import filled_area, filled_limbs, steps
+from coupler.preflight.rules_size import filled_area, filled_gaps, filled_limbs, steps
 from coupler.preflight.rules_water import (
     courant_fluid,
     falls_out,
@@ -80,6 +80,7 @@ RULES: tuple[Rule, ...] = (
     printed_gradient,
     periods_seen,
     filled_area,
+    filled_gaps,
     filled_limbs,
     steps,
 )

@@ -6,7 +6,7 @@ import math
 
 from coupler.preflight.finding import Finding, above, graded, of_particles
 from coupler.preflight.numbers import Numbers
-from coupler.preflight.shapes import cells, excess
+from coupler.preflight.shapes import CROWDED, cells, crowding, excess
 from shared.limbs import bearing, fitting
 from shared.schema import Scene
 from shared.schema_solid import PARTICLE_MODELS
@@ -52,6 +52,24 @@ def filled_limbs(scene: Scene, n: Numbers) -> Finding | None:
     return Finding(
         "filled limbs", value, verdict, reason, f"solid.dx = {fits:.4g} fits" if fits else "a smaller solid.dx"
     )
+
+
+def filled_gaps(scene: Scene, n: Numbers) -> Finding | None:
+    """By how much rows of fluid particles between two faces are too many or too few; nothing to say of little."""
+    if not of_particles(n):
+        return None
+    dx, bodies = scene.fluid.dx, scene.fluid.bodies
+    value = max(crowding(body, dx) for body in bodies)
+    if value <= CROWDED:
+        return None
+    finer = (dx * (1.0 - 0.005 * k) for k in range(1, 120))
+    fits = next((one for one in finer if max(crowding(body, one) for body in bodies) < 0.1 * CROWDED), None)
+    reason = (
+        f"between two faces there are {100.0 * value:.2g} % too many or too few rows of particles: crowded so, water "
+        "is stirred even at rest, and gets into walls"
+    )
+    way_out = f"fluid.dx = {fits:.4g} fits" if fits else "a smaller fluid.dx, or one that divides what is between faces"
+    return Finding("filled gaps", value, "warn", reason, way_out)
 
 
 def steps(scene: Scene, n: Numbers) -> Finding | None:

@@ -8,9 +8,11 @@ from functools import lru_cache
 import numpy as np
 
 from shared import geometry
-from shared.regions import Same, own_size
+from shared.regions import Same, outline_own, own_size
 from shared.schema_geometry import Shape
 
+_SLANT = 1e-6  # of dx: a face that leaves its line by less lies along it
+CROWDED = 0.03  # of the rows in a gap: water at rest is stirred at 0.067, and its forces swing by twice themselves
 FEW = 2e4  # cells up to which an error bound counts what particles hold too much
 
 
@@ -55,3 +57,25 @@ def excess_of_inertia(shape: Shape, dx: float, most: float) -> float:
     """What the polar moment of a shape's particles, as points, is beyond its own, over it; 0 of more than `most`
     cells."""
     return 0.0 if cells(shape, dx) > most else _excess_of_inertia(Same(shape), dx)
+
+
+@lru_cache(maxsize=512)
+def _crowding(same: Same, dx: float) -> float:
+    faces, worst = outline_own(same.shape), 0.0
+    for axis in (0, 1):
+        along = faces[np.abs(np.diff(faces[:, :, axis], axis=1))[:, 0] < _SLANT * dx]
+        places = np.unique(np.round(along[:, 0, axis] / (_SLANT * dx))) * (_SLANT * dx)
+        if len(places) < 2:
+            continue
+        count = max(1.0, np.floor(np.ptp(faces[:, :, axis]) / dx + 0.5))
+        gaps = np.diff(places) * count / np.ptp(faces[:, :, axis])
+        ends = np.cumsum(np.r_[0.5, gaps])
+        held = np.floor(ends[1:] + _SLANT) - np.floor(ends[:-1] + _SLANT)
+        worst = max(worst, *np.abs(held / gaps - 1.0))
+    return worst
+
+
+def crowding(shape: Shape, dx: float) -> float:
+    """By how much the rows of particles between two neighbouring faces along a shape's lattice are too many or too few
+    for their distance, over it: where it is most."""
+    return 0.0 if shape.rectangle is not None else _crowding(Same(shape), dx)
