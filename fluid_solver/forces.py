@@ -5,6 +5,9 @@ du/dt = −Σ m_b (p_a/ρ_a² + p_b/ρ_b² + Π_ab) ∇W + viscous + g + (d·∇
 The transport term is (d·∇)u with ∇u = Σ V_b (u_b − u_a) ⊗ ∇W over the fluid: exact for linear fields as far as the
 kernel sum is, and blind to a uniform velocity, which the printed A = ρ u ⊗ d form is not on disordered particles. The
 d in it is the one with which the particle has just moved.
+In a room that water fills, a particle's own p_a below zero counts as −p_a (Sun et al. 2018, with shifting): the force
+is then of the difference of pressures, which pulls no particles together. Without it water tears off a sliding lid in
+the corner that sucks, and comes to rest (lid_cavity, 25 particles across). The pair's forces are not opposite there.
 Sums for shifting and for the surface: ∇C = Σ V_b [1 + 0.2 (W/W(dx))⁴] ∇W and ∇·r = −Σ V_b r² F.
 """
 
@@ -84,6 +87,8 @@ def make_forces(kernel: int, viscous: bool, shifting: bool):
                     for a in range(mine, end):
                         xa, ya, ua, va = S[X, a], S[Y, a], S[U, a], S[V, a]
                         pr2_a, inv_rho_a = S[PR2, a], S[VOL, a] / S[M, a]
+                        if c.filled > 0.0:
+                            pr2_a = abs(pr2_a)
                         ax = ay = cx = cy = div_r = 0.0
                         dx, dy = (S[SX, a], S[SY, a]) if shifting else (0.0, 0.0)
                         for k in range(lo, hi):
@@ -115,7 +120,7 @@ def make_forces(kernel: int, viscous: bool, shifting: bool):
                             near_x, near_y = sum_of_normals(kernel, xa, ya, b, lo, hi, c) if surface else (0.0, 0.0)
                             dx, dy = shift_velocity(cx, cy, near_x, near_y, div_r, u_max, c)
                             S[SX, a], S[SY, a] = dx, dy
-                            R[NEW_NX, a], R[NEW_NY, a] = surface_normal(cx, cy, div_r)
+                            R[NEW_NX, a], R[NEW_NY, a] = surface_normal(cx, cy, div_r, c)
                 row, first, last = next_stretch(start, grid, 0, segments, shares, taken, worker)
             fastest[worker] = relative
 

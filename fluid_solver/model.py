@@ -130,7 +130,7 @@ class ParticleFluid:
         store.sort()
         self._ghost_velocity(store.S, store.kind, store.ids, *store.cells(1), self.c, self._first, self._motion.pose)
         self._load_ghosts()
-        self._volume = self._enclosed_volume()
+        self._fill(self._enclosed_volume())
         self._accelerate(0.0)
         self._mean_force[...] = self.force
         return self._loads()
@@ -145,6 +145,11 @@ class ParticleFluid:
         ):
             return 0.0
         return float(store.S[VOL, store.kind == FLUID].sum())
+
+    def _fill(self, volume: float) -> None:
+        """Take the `volume` [m²] that walls leave the fluid; 0 of one with a free surface."""
+        self._volume = volume
+        self.c = self.c._replace(filled=1.0 if volume > 0.0 and self._transported else 0.0)
 
     def stable_step(self) -> float:
         """Least of the acoustic, viscous and force limits [s]."""
@@ -260,7 +265,7 @@ class ParticleFluid:
         for name, array in ({"force": self.force} | moved).items():
             array[...] = state[name]
         self._speed, self._acceleration = (float(k) for k in state["largest"])
-        self._volume = float(state["volume"][0])
+        self._fill(float(state["volume"][0]))
 
     def check(self) -> None:
         """Raise SolverFailed if the state is not finite or the density far off."""

@@ -11,9 +11,10 @@ ISOLATED = 1.0  # ∇·r below which a particle has too few neighbours to know a
 
 
 @inline_njit
-def surface_normal(cx, cy, div_r):
-    """Outward unit normal of a particle at the free surface, −∇C/|∇C|; (0, 0) inside and in splashes."""
+def surface_normal(cx, cy, div_r, c):
+    """Outward unit normal of a particle at the free surface, −∇C/|∇C|; (0, 0) inside, in splashes, and in a room that
+    water fills: what looks like a surface there is a gap, which shifting is to close."""
     size = math.sqrt(cx * cx + cy * cy)
-    if div_r >= SURFACE or div_r < ISOLATED or size == 0.0:
+    if c.filled > 0.0 or div_r >= SURFACE or div_r < ISOLATED or size == 0.0:
         return 0.0, 0.0
     return -cx / size, -cy / size

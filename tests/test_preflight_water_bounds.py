@@ -359,10 +359,19 @@ def test_water_that_its_weight_drives_along_a_period_goes_on_accelerating(tmp_pa
 
 
 @pytest.mark.parametrize(
-    "sets", [["fluid.dx=0.04"], ["fluid.model=wcsph"], ["fluid.viscosity=0.1", "fluid.h_over_dx=2.0"]]
+    ("sets", "found"),
+    [
+        ([], 0.091),
+        (["fluid.dx=0.04"], 0.138),
+        (["fluid.dx=0.01"], 0.069),
+        (["fluid.dx=0.05"], math.inf),
+        (["fluid.model=wcsph"], math.inf),
+        (["fluid.viscosity=0.1"], math.inf),
+    ],
 )
-def test_a_lid_that_water_may_tear_off_has_no_bound(sets):
-    """Found: 25 particles across, and wcsph, came to rest under bounds of a few percent."""
-    for given, bound in (([], True), (sets, False)):
-        case = load_scene("lid_cavity", given)
-        assert math.isfinite(flow_error(case, scene_numbers(case))) is bound
+def test_what_a_lid_drives_is_bound_where_it_was_found(sets, found):
+    """The centre's velocity was 9 % off under a bound of 1 %; with wcsph water came to rest under one of a few."""
+    case = load_scene("lid_cavity", sets)
+    bound = flow_error(case, scene_numbers(case))
+    assert found <= bound
+    assert bound < 1.3 * found or math.isinf(found)

@@ -9,8 +9,9 @@ wave's period      0.25 % and what was found: 7.33 x^1.7 (ctvf), 17.2 x^1.9 (wcs
                    without viscosity of its own a lattice melts late: 0.5 % (ctvf), 0.9 % (wcsph) more either way,
                    and dx over a wave's height at the start times that where it is lower than dx     seiches
 surface's height   besides, over its way from the gauge: the level of settled water, g H²/(2 c0²) lower, and 0.2 dx
-lid beside walls   none but with shifting, 50 dx and a Reynolds number of 100: less, and the cut of tension tears the
-                   water off the lid in the corner, and all of it comes to rest; nor with h = 2 dx         lid_cavity
+lid beside walls   0.92 (dx/width)^0.55 besides: 14, 9, 7 % at the centre of a box 25, 50, 100 dx wide (ctvf);
+                   none below 25 dx or a Reynolds number of 100, nor with h = 2 dx, nor where nothing shifts particles
+                   (wcsph): there water tears off the lid in the corner, and comes to rest               lid_cavity
 waves' heights     as flow that is held, and with less than 40 neighbours 20 % more, for such a lattice bears waves
                    of its spacing's height; at any dx                                          a wavemaker
 viscous stresses   3.6 (h/λ)², λ the shear wave's length, twice a channel's width; 0.12 (1.3 dx/h)^5 for few
@@ -39,6 +40,7 @@ from coupler.preflight.rules_water import LOOSE
 from shared.expected_speed import start_speed
 from shared.geometry import outline
 from shared.schema import Scene
+from shared.schema_fluid import Wall
 from shared.schema_probes import Probe
 from shared.wall_chains import segments_of
 
@@ -53,7 +55,8 @@ VISCOUS = 3.6  # of (h/wavelength)²: the kernel smooths the stresses of a shear
 ENOUGH = 2.0  # h/dx from which walls hold a bent profile too softly
 BLURRED = 0.3  # of (h/dx − ENOUGH)² dx/width
 FEW, FEW_POWER = 0.12, 5.0  # with h = 1.3 dx: stresses of a neighbourhood in disorder, whatever dx is
-LID_ACROSS, LID_REYNOLDS, LID_SUPPORT = 50.0, 100.0, 1.6  # dx; h/dx: a lid's water is seen to hold together
+LID, LID_POWER = 0.92, 0.55  # of dx/width, under a lid beside walls
+LID_ACROSS, LID_REYNOLDS, LID_SUPPORT = 25.0, 100.0, 1.6  # dx; h/dx: within them that was found
 CLUSTERED = 0.5  # of a decay, where vortices stretch particles that nothing shifts
 FALL = {"ctvf": 0.08, "wcsph": 0.6}  # of the speed that the pressure of water at rest gives it as it is let go
 MOTIONS = ("max-speed", "velocity-x", "velocity-y", "kinetic-energy")
@@ -76,12 +79,12 @@ def flow_error(scene: Scene, n: Numbers) -> float:
     if (water.pulled or _slid(scene)) and scene.fluid.viscosity > 0.0:  # a channel's profile is half a wave
         wide = max(0.0, scene.fluid.h_over_dx - ENOUGH) if water.pulled else 0.0
         return _viscous(scene, n, 2.0 * water.width) + BLURRED * wide**2 * water.dx / water.width
-    if torn(scene, n) or ploughed(scene):
+    if ploughed(scene):
         return math.inf
     least = min(water.width, _wavelength(scene, n))
     if n.plate is not None and n.plate.model == "spring":
         least = min(least, n.plate.thickness)
-    flow = SMOOTH[water.model] * water.dx / least
+    flow = SMOOTH[water.model] * water.dx / least + (_under_a_lid(scene, n) if lids(scene) else 0.0)
     if scene.fluid.viscosity > 0.0:
         flow += VISCOUS * (water.h / (2.0 * least)) ** 2
     if quantity == "elevation":
@@ -108,14 +111,20 @@ def _slid(scene: Scene) -> bool:
     return not any(wall.motion for wall in scene.walls) and not np.ptp(faces[:, :, 1 - along[0]], axis=1).any()
 
 
-def torn(scene: Scene, n: Numbers) -> bool:
-    """Whether a wall that slides along water that sticks to it, and to others that stand, may tear off it."""
+def lids(scene: Scene) -> list[Wall]:
+    """Walls that slide along water that sticks to them, beside others that stand."""
+    sliding = [wall for wall in scene.walls if wall.slip == "no" and wall.surface_speed]
+    round_it = len(sliding) == len(scene.walls) or any(wall.closed for wall in scene.walls)
+    return [] if scene.fluid.viscosity == 0.0 or round_it else sliding
+
+
+def _under_a_lid(scene: Scene, n: Numbers) -> float:
+    """Of what a lid beside walls drives; infinite where it is not known."""
     fluid, water = scene.fluid, n.water
-    lids = [abs(wall.surface_speed) for wall in scene.walls if wall.slip == "no" and wall.surface_speed]
-    if not lids or fluid.viscosity == 0.0 or len(lids) == len(scene.walls) or any(wall.closed for wall in scene.walls):
-        return False
     fine = water.width >= LID_ACROSS * water.dx * (1.0 - 1e-9) and fluid.h_over_dx < LID_SUPPORT
-    return not (fine and water.model == "ctvf" and max(lids) * water.width >= LID_REYNOLDS * fluid.viscosity)
+    speed = max(abs(lid.surface_speed) for lid in lids(scene))
+    known = fine and water.model == "ctvf" and speed * water.width >= LID_REYNOLDS * fluid.viscosity
+    return LID * (water.dx / water.width) ** LID_POWER if known else math.inf
 
 
 def _vortices(scene: Scene) -> bool:

@@ -14,7 +14,7 @@ from typing import Literal
 from coupler.preflight.afloat import afloat
 from coupler.preflight.cost import Cost, predicted_cost
 from coupler.preflight.error import FACES, Parts, error_parts, stirred
-from coupler.preflight.error_flow import MOTIONS, torn
+from coupler.preflight.error_flow import MOTIONS, lids
 from coupler.preflight.error_shaken import SHAKEN, why_unknown
 from coupler.preflight.error_solid import PHASE, SWING, not_bounded
 from coupler.preflight.finding import STEADY
@@ -193,8 +193,8 @@ def _unable(scene: Scene, n: Numbers, worst: str) -> str:
                 return "the water rests: of a motion that is nothing there is no relative error"
             if stirred(scene, n):
                 return "rows of particles do not fit between the faces, which stirs water at rest: see filled gaps"
-            if torn(scene, n):
-                return "water may tear off a lid that slides beside walls that stand: ctvf, 50 dx across, Re 100 hold"
+            if lids(scene):
+                return "a lid slides beside walls that stand: its flow is known of ctvf, 25 dx across, from Re 100 on"
             return "what is left of the value is too little for a bound of its relative error"
         if n.plate is not None and afloat(scene, plates_body(scene, n.plate)):
             return f"the body floats: the windows of {n.water.model} do not follow its heave"
