@@ -37,7 +37,7 @@ class Parameters(NamedTuple):
     slope: float  # F over the kernel's f_shape [1/m⁴], times gradient_factor
     pairing: float  # W over the kernel's w_shape, over W at the distance dx, times PAIRING^¼
     weakest: float  # lowest pressure, the tension that is kept [Pa]; −∞ for any
-    filled: float  # 1 for fluid that is shifted and fills its room, with no free surface; else 0
+    filled: float = 0.0  # 1 for fluid that is shifted and fills its room, with no free surface
 
 
 def parameters(scene: Scene, kernel: Kernel, c0: float) -> Parameters:
@@ -48,7 +48,7 @@ def parameters(scene: Scene, kernel: Kernel, c0: float) -> Parameters:
     values = (
         h, fluid.dx, kernel.support * h, fluid.density, c0, fluid.alpha, fluid.viscosity, EDAC_ALPHA * h * c0 / 8.0,
         gx, gy, slope_of(kernel, h, fluid.dx), pairing_of(kernel, h, fluid.dx),
-        _WEAKEST[fluid.negative_pressure] * fluid.density * c0**2, 0.0,
+        _WEAKEST[fluid.negative_pressure] * fluid.density * c0**2,
     )  # fmt: skip
     return Parameters(*(float(value) for value in values))
 

@@ -82,4 +82,4 @@ def tracer_error(steps=100, shifting=True) -> float:
         model._at_once(dt)
         exact = exact + dt * flow @ exact
     assert shifting == (np.abs(model._S[E0 : E1 + 1, own]).max() > 0.0)
-    return float(np.max(np.hypot(*(model._tracers()[0].T - exact))) / model._scene.solid.dx)
+    return float(np.max(np.hypot(*(model._published()[0].T - exact))) / model._scene.solid.dx)
