@@ -132,6 +132,15 @@ def test_a_gel_pressed_by_its_weight_feels_the_law_of_its_model(tmp_path, modulu
     assert error <= of_structure(scene, n) <= 4.0 * error
 
 
+def test_the_law_of_a_model_makes_nothing_of_what_rounding_presses(tmp_path):
+    """A plate on edge that is turned to lie: its weight along it is 1e-16 of it, and no bound was left."""
+    assert law_error("total-lagrangian", 6e-23) < 1e-12
+    assert law_error("total-lagrangian", 0.0) < 1e-12
+    assert law_error("total-lagrangian", -1e-8) == pytest.approx(1.5e-8, rel=1e-6)
+    drop = (*DISC, "solid.youngs_modulus=1e4", "gravity=[-98.1, 0.0]", "probes.p.point=[0.0, 0.0]")
+    assert "strain" not in verdicts_of(numbers(tmp_path, *drop)[0])  # what falls is not pressed
+
+
 def test_a_hanging_cantilever_is_stiffer_and_a_standing_one_softer(tmp_path):
     """It buckles under 7.837 D/L² of its own weight."""
     for sense in (-1.0, 1.0):

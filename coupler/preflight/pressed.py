@@ -18,7 +18,7 @@ import numpy as np
 from coupler.preflight.held import FACES_OF_AXIS, held_ends, held_sides, largest_factor, lengthwise
 from coupler.preflight.water import Water
 from shared.elasticity import lame, plane_modulus
-from shared.regions import axes_of, own_box
+from shared.regions import axes_of, own_size
 from shared.schema import Scene
 from shared.schema_geometry import Body
 from shared.schema_solid import RIGID_MODELS
@@ -29,22 +29,23 @@ _LAW = {"ctvf": 1.0, "beam": 1.5}
 
 def law_error(model: str, strain: float) -> float:
     """What the law of `model` makes of a linear `strain`, over it; infinite where the body gives way."""
-    if model != "total-lagrangian" or strain == 0.0:
+    if model != "total-lagrangian":
         return _LAW.get(model, 0.0) * abs(strain)
     if strain <= -AT_ONCE:
         return math.inf
     third = 3.0 * math.sqrt(3.0) * strain  # of λ³ − λ = 2 s, the root that is 1 without a load
     turned = math.cos(math.acos(third) / 3.0) if third <= 1.0 else math.cosh(math.acosh(third) / 3.0)
-    return abs((2.0 / math.sqrt(3.0) * turned - 1.0) / strain - 1.0)
+    stretched = 2.0 / math.sqrt(3.0) * turned - 1.0
+    return abs(2.0 / ((1.0 + stretched) * (2.0 + stretched)) - 1.0)  # stretched over strain, of a strain of 0 too
 
 
 def strain_along(scene: Scene, body: Body, water: Water | None, wet: int) -> float:
     """Linear strain that end loads, weight and, where one of its long faces is `wet`, water put along the way from the
-    face that holds a body at its clamp; an estimate."""
-    solid, (axis, _, _) = scene.solid, lengthwise(body)
-    if solid.youngs_modulus is None or solid.model in RIGID_MODELS:
+    face that holds a body at its clamp; an estimate. 0 of one that none holds."""
+    solid, (axis, _, _), sides = scene.solid, lengthwise(body), held_sides(scene, body)
+    if solid.youngs_modulus is None or solid.model in RIGID_MODELS or not sides:
         return 0.0
-    modulus, sides = plane_modulus(solid), held_sides(scene, body)
+    modulus = plane_modulus(solid)
     flat = [side for side in sides if side in FACES_OF_AXIS[1 - axis]]
     if len(flat) == 1 and not held_ends(scene, body):
         axis = 1 - axis
@@ -52,7 +53,7 @@ def strain_along(scene: Scene, body: Body, water: Water | None, wet: int) -> flo
         modulus = lam + 2.0 * mu
     held = [side for side in sides if side in FACES_OF_AXIS[axis]]
     outward = axes_of(body.rotate)[axis] * (-1.0 if held == [FACES_OF_AXIS[axis][1]] else 1.0)
-    length, g = float(np.subtract(*own_box(body)[::-1])[axis]), np.asarray(scene.gravity)
+    length, g = float(own_size(body)[axis]), np.asarray(scene.gravity)
     stress = float(g @ outward) * solid.density * length if solid.gravity else 0.0
     for one in (one for one in solid.loads if one.body == body.name):
         push = float(np.dot(one.traction or one.acceleration, outward)) * largest_factor(one)
