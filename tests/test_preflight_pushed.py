@@ -7,7 +7,7 @@ import math
 import pytest
 
 from coupler.preflight.error import error_bound
-from coupler.preflight.error_solid import of_structure
+from coupler.preflight.error_solid import not_bounded, of_structure
 from coupler.preflight.ladder import ladder
 from coupler.preflight.numbers import scene_numbers
 from coupler.preflight.pressed import law_error
@@ -139,6 +139,13 @@ def test_the_law_of_a_model_makes_nothing_of_what_rounding_presses(tmp_path):
     assert law_error("total-lagrangian", -1e-8) == pytest.approx(1.5e-8, rel=1e-6)
     drop = (*DISC, "solid.youngs_modulus=1e4", "gravity=[-98.1, 0.0]", "probes.p.point=[0.0, 0.0]")
     assert "strain" not in verdicts_of(numbers(tmp_path, *drop)[0])  # what falls is not pressed
+
+
+def test_a_peak_of_what_presses_at_once_has_its_reason(tmp_path):
+    sets = (*GEL, "solid.loads=[]", "gravity=[0.0, -9.81]", "solid.dx=0.03125", "solid.youngs_modulus=2.5e4")
+    scene, n = numbers(tmp_path, *sets, "goal.statistic=min", "solid.damping=0")
+    assert of_structure(scene, n) == math.inf
+    assert "may give way" in not_bounded(scene, n)
 
 
 def test_a_hanging_cantilever_is_stiffer_and_a_standing_one_softer(tmp_path):

@@ -228,3 +228,8 @@ def test_a_probe_that_the_water_leaves_out_is_warned_of():
     watched += '{name="push", quantity="force-x", body="piston"}, {name="v", quantity="velocity-y", point=[0.5, 0.1]}]'
     (said,) = scene_warnings(load_scene("piston", [watched]))
     assert said.startswith("probes[2]: 'v' will have no value: velocity-y of water is nothing that model column knows")
+def test_a_swing_that_lag_makes_grow_is_the_reason_why_columns_have_no_bound():
+    scene = load_scene("piston", ["coupling.scheme=serial-explicit"])
+    assert any("window α" in rung.reason for rung in ladder(scene))
+
+

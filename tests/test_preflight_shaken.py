@@ -116,3 +116,5 @@ def test_what_is_moved_through_particles_that_nothing_shifts_has_no_bound(tmp_pa
     assert told(0.025) == (False, "warn")
     assert told(0.025, "fluid.model=ctvf") == (True, "ok")
     assert told(0.025, "fluid.h_over_dx=1.3")[0]
+    deep = shaken(tmp_path, 0.055, lambda time: (0.5 * time) ** 4, ["gravity=[0.0, -9.81]"], TANK)
+    assert any("pressed into what is moved" in rung.reason for rung in ladder(deep))

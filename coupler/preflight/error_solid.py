@@ -219,7 +219,7 @@ def not_bounded(scene: Scene, n: Numbers) -> str:
         return f"solid.damping drags what its clamps carry by {drag:.2g} of its weight and inertia"
     if n.plate.squeeze >= 1.0:
         return f"pressed by {n.plate.squeeze:.3g} of Euler's load it buckles, and small differences decide how far"
-    if law_error(n.plate.model, n.plate.strain) == math.inf:
+    if math.inf in (law_error(n.plate.model, n.plate.strain), _of_law(scene, n.plate)):
         return (
             f"pressed by {-n.plate.strain:.2g} of its modulus it may give way: St. Venant-Kirchhoff's law is soft there"
         )

@@ -20,11 +20,13 @@ from coupler.preflight.error_solid import PHASE, SWING, not_bounded
 from coupler.preflight.finding import STEADY
 from coupler.preflight.numbers import Numbers, scene_numbers
 from coupler.preflight.plate import goals_probe, goals_quantity, of_a_body, plates_body
+from coupler.preflight.ploughed import ploughed
 from coupler.preflight.rules import findings
 from coupler.preflight.rules_joint import helmholtz
 from coupler.preflight.shapes import CROWDED, crowding
 from coupler.preflight.variations import bends_at_points, coupled, dampings, fits, has_particles, refined, with_models
 from coupler.preflight.water import measure_water
+from coupler.preflight.window import GROWTH_WARN, lag_growth
 from shared.scene_checks import check_scene
 from shared.schema import Scene
 from shared.schema_fluid import PARTICLE_FLUIDS
@@ -193,6 +195,8 @@ def _unable(scene: Scene, n: Numbers, worst: str) -> str:
                 return "the water rests: of a motion that is nothing there is no relative error"
             if stirred(scene, n):
                 return "rows of particles do not fit between the faces, which stirs water at rest: see filled gaps"
+            if ploughed(scene):
+                return "particles that nothing shifts are pressed into what is moved through them; ctvf shifts them"
             if lids(scene):
                 return "a lid slides beside walls that stand: its flow is known of ctvf, 25 dx across, from Re 100 on"
             return "what is left of the value is too little for a bound of its relative error"
@@ -208,6 +212,8 @@ def _unable(scene: Scene, n: Numbers, worst: str) -> str:
             )
         if n.water.model == "column" and n.joint.parts:
             return "beside an upright plate water gives way upward, to its surface, and not along columns"
+        if lag_growth(scene, n) > math.log(GROWTH_WARN):
+            return "lagged exchange makes a swing on the column grow until the end: see window α"
         if what not in STEADY:
             return f"a {what} feels the mass of the water that moves along, which {n.water.model} leaves out"
     if worst == PHASE:
