@@ -6,6 +6,7 @@ import math
 
 import pytest
 
+from coupler.preflight.afloat import buoyant_stiffness
 from coupler.preflight.error import error_bound, error_parts
 from coupler.preflight.error_lattice import HELD
 from coupler.preflight.error_solid import swing_in_a_mean
@@ -17,6 +18,8 @@ from coupler.window import make_plan, mass_ratio
 from fluid_solver.models import make_model as make_fluid
 from shared.contract import BadInput
 from shared.scene import load_scene, scene_warnings
+from shared.schema_fluid import FluidBody
+from shared.schema_geometry import Body
 from solid_solver.models import make_model as make_solid
 from tests.preflights import bound_of, said_of
 from tests.scenes import scene_of
@@ -155,6 +158,18 @@ def test_buoyancy_holds_a_raft_that_no_spring_does(tmp_path):
     assert swing_in_a_mean(scene, scene_numbers(scene)) > 0.0
 
 
+def test_a_body_that_stands_on_water_is_not_held_by_it(tmp_path):
+    """A lid as wide as its tank, turned: rounded numbers put the level into it, and buoyancy was 1e9 times its own."""
+    scene = scene_of(RAFT.replace("HELD", "0.0"), tmp_path)
+    for angle in range(5, 90, 5):
+        turned, way = {"angle": float(angle)}, math.radians(angle)
+        water = FluidBody(name="water", rectangle=(0.0, 0.0, 0.6, 0.2), rotate=turned)
+        lid = Body(name="lid", rectangle=(0.0, 0.2, 0.6, 0.24), rotate=turned)
+        tilted = {"gravity": (9.81 * math.sin(way), -9.81 * math.cos(way))}
+        tilted["fluid"] = scene.fluid.model_copy(update={"bodies": [water]})
+        assert buoyant_stiffness(scene.model_copy(update=tilted), lid) == 0.0
+
+
 def test_a_sprung_body_under_water_swings_with_the_water_round_it(tmp_path):
     """Found: 6.9 % of its rest left in the mean, where the dry body's swing would have been over."""
     scene = scene_of(BLOCK.replace("LOADS", "force"), tmp_path)
@@ -213,6 +228,11 @@ def test_what_a_prescribed_motion_drives_is_no_water_at_rest(tmp_path):
     assert said_of(loose)["h/dx"].verdict == "ok"
 
 
+def test_a_swing_that_lag_makes_grow_is_the_reason_why_columns_have_no_bound():
+    scene = load_scene("piston", ["coupling.scheme=serial-explicit"])
+    assert any("window α" in rung.reason for rung in ladder(scene))
+
+
 def test_an_incompressible_column_needs_no_sound_speed():
     scene = load_scene("piston", ["fluid.column.compressible=false", "fluid.sound_speed=auto"])
     assert scene_numbers(scene).water.step == scene.end_time
@@ -228,8 +248,3 @@ def test_a_probe_that_the_water_leaves_out_is_warned_of():
     watched += '{name="push", quantity="force-x", body="piston"}, {name="v", quantity="velocity-y", point=[0.5, 0.1]}]'
     (said,) = scene_warnings(load_scene("piston", [watched]))
     assert said.startswith("probes[2]: 'v' will have no value: velocity-y of water is nothing that model column knows")
-def test_a_swing_that_lag_makes_grow_is_the_reason_why_columns_have_no_bound():
-    scene = load_scene("piston", ["coupling.scheme=serial-explicit"])
-    assert any("window α" in rung.reason for rung in ladder(scene))
-
-

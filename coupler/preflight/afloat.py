@@ -53,12 +53,15 @@ def to_equilibrium(scene: Scene, body: Body) -> float:
 
 def buoyant_stiffness(scene: Scene, body: Body) -> float:
     """Force [N/m per metre of depth] that lifts a body per metre that it sinks: ρ g by the width of its waterline, and
-    by as much more as the water's level rises; 0 of one that no surface cuts."""
+    by as much more as the water's level rises; 0 of one that no surface cuts, or that stands on it."""
     g = math.hypot(*scene.gravity)
     if g == 0.0:
         return 0.0
     up = -np.asarray(scene.gravity) / g
-    wide = _width(outline(body) @ _frame(up), _level(scene, up))
+    sides, level = outline(body) @ _frame(up), _level(scene, up)
+    if level - sides[..., 1].min() <= _ROUNDING * np.ptp(sides[..., 1]):
+        return 0.0
+    wide = _width(sides, level)
     tank = float(np.ptp(corners_of(scene.fluid.bodies) @ _frame(up)[:, 0]))
     return scene.fluid.density * g * wide / max(1.0 - wide / tank, 1e-9)
 
