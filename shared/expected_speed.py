@@ -19,8 +19,8 @@ from shared.motion_table import largest_speed
 from shared.schema import Scene
 from shared.schema_fluid import PARTICLE_FLUIDS, FluidBody
 from shared.schema_solid import RIGID_MODELS, Load, Solid, SolidBody
-from shared.segments import lengths
-from shared.shakers import shakers, sound_time
+from shared.segments import lengths, right_of
+from shared.shakers import prescribed, shakers, sound_time
 from shared.wall_speeds import lasting_faces, pushing_speed
 
 _UPRIGHT = 1e-6  # sine of a slope up to which a face is upright
@@ -70,8 +70,7 @@ def _drop(scene: Scene, water: np.ndarray) -> float:
     bodies = scene.solid.bodies if scene.solid else []
     held = [*map(lasting_faces, scene.walls), *(outline(body)[:, ::-1] for body in bodies), np.empty((0, 2, 2))]
     faces, down = np.concatenate(held), np.asarray(scene.gravity)
-    along = faces[:, 1] - faces[:, 0]
-    looks_up = np.c_[-along[:, 1], along[:, 0]] @ down < -_UPRIGHT * np.hypot(*along.T) * math.hypot(*down)
+    looks_up = right_of(faces[:, 1] - faces[:, 0]) @ down > _UPRIGHT * lengths(faces) * math.hypot(*down)
     deepest = float(np.max(water @ down))
     return float(np.max(faces[looks_up] @ down, initial=deepest)) - deepest
 
@@ -107,9 +106,7 @@ def driven_speed(scene: Scene) -> float:
     water = corners_of(scene.fluid.bodies)
     speeds = [pushing_speed(wall, water) for wall in scene.walls]
     if scene.solid is not None:
-        motions = [scene.solid.motion, *(clamp.motion for clamp in scene.solid.clamps)]
-        corners = corners_of(scene.solid.bodies)
-        speeds += [largest_speed(motion, corners) for motion in motions if motion is not None]
+        speeds += [largest_speed(motion, corners) for motion, corners in prescribed(scene.solid)]
     return max(speeds, default=0.0)
 
 

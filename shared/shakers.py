@@ -12,9 +12,11 @@ from shared.geometry import corners_of
 from shared.motion_table import MotionTable
 from shared.schema import Scene
 from shared.schema_geometry import Motion
+from shared.schema_solid import Solid
 from shared.wall_speeds import pushing_speed
 
 _SAMPLES = 1001  # times at which a motion is looked at
+_ROUNDING = 1e-9  # of the speed: a change within a step of the table that rounded numbers make
 
 
 @dataclass(frozen=True)
@@ -56,7 +58,9 @@ class Shaker:
         ends = (0, -1) if self.motion.times[-1] < self.end else (0,)
         rings = 0.5 * math.pi * sound / self.extent
         push = max(self._sizes(2)[k] + rings * self._sizes(1)[k] for k in ends)
-        return push / self.acceleration if self.acceleration > 0.0 else math.inf if push > 0.0 else 0.0
+        if self.acceleration * min(np.diff(self.motion.times)) > _ROUNDING * self.speed:
+            return push / self.acceleration
+        return math.inf if push > 0.0 else 0.0
 
     def _sizes(self, order: int) -> np.ndarray:
         """Sizes of displacement, or of its rates by `order`, at the samples."""
@@ -64,6 +68,13 @@ class Shaker:
         reach = float(np.hypot(*(self.points - table.about).T).max())
         x, y, angle = table.displacements(times, order).T
         return np.hypot(x, y) + reach * np.abs(angle)
+
+
+def prescribed(solid: Solid) -> list[tuple[Motion, np.ndarray]]:
+    """The prescribed motions of a structure and of its clamps, with the corners (n, 2) [m] of the bodies that each
+    moves."""
+    moved = [(clamp.motion, [body for body in solid.bodies if body.name == clamp.body]) for clamp in solid.clamps]
+    return [(one, corners_of(bodies)) for one, bodies in [(solid.motion, solid.bodies), *moved] if one is not None]
 
 
 def shakers(scene: Scene) -> list[Shaker]:
@@ -74,9 +85,8 @@ def shakers(scene: Scene) -> list[Shaker]:
     pushes = [wall for wall in scene.walls if wall.motion is not None and pushing_speed(wall, water) > 0.0]
     moved = [(wall.motion, np.asarray(wall.polyline), min(height, float(extent.max())), False) for wall in pushes]
     if scene.solid is not None:
-        motions = [scene.solid.motion, *(clamp.motion for clamp in scene.solid.clamps)]
-        corners, least = corners_of(scene.solid.bodies), min(height, float(extent.min()))
-        moved += [(motion, corners, least, True) for motion in motions if motion is not None]
+        least = min(height, float(extent.min()))
+        moved += [(motion, corners, least, True) for motion, corners in prescribed(scene.solid)]
     return [Shaker(*one, scene.end_time) for one in moved]
 
 

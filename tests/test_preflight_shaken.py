@@ -7,7 +7,9 @@ import math
 import pytest
 
 from coupler.preflight.ladder import ladder
-from shared.expected_speed import sound_speed
+from shared.expected_speed import driven_speed, sound_speed
+from shared.motion_table import largest_speed
+from shared.shakers import shakers
 from tests.preflights import bound_of, verdicts_of
 from tests.scenes import scene_of
 
@@ -41,6 +43,17 @@ quantity = "force-x"
 probe = "push"
 statistic = "max"
 error = 0.3
+"""
+TWO = """\
+[solid]
+model = "total-lagrangian"
+dx = 0.01
+density = 1000.0
+youngs_modulus = 1e6
+bodies = [{ name = "flap", rectangle = [-0.04, -0.04, 0.04, 0.04] },
+  { name = "far", rectangle = [10.0, 0.0, 10.08, 0.08] }]
+clamps = [{ body = "flap", face = "left", motion = { times = [0.0, 1.0, 2.0], rotation = [0.0, 90.0, 0.0] } },
+  { body = "far", face = "left" }]
 """
 BOX = "[[-0.1, -0.1], [0.1, -0.1], [0.1, 0.1], [-0.1, 0.1]]\nclosed = true"
 TANK = "[[-0.1, 0.3], [-0.1, -0.1], [0.1, -0.1], [0.1, 0.3]]"
@@ -88,6 +101,19 @@ def test_a_motion_that_starts_with_a_jump_rings(tmp_path, start, way, found, jol
     assert verdicts_of(scene)["jolt"] == jolt
     mean = shaken(tmp_path, way, start, ["goal.statistic=mean"])
     assert verdicts_of(mean)["jolt"] == "ok"
+
+
+def test_a_steady_motion_has_no_push_to_ring_beside(tmp_path):
+    """However its table is rounded: 3e10 was told, and a reason that was another's."""
+    steady = shaken(tmp_path, 0.1, lambda time: time)
+    assert max(one.jolt(sound_speed(steady)) for one in shakers(steady)) == math.inf
+    assert any("jumps to its speed" in rung.reason for rung in ladder(steady))
+
+
+def test_a_clamp_moves_its_own_body(tmp_path):
+    """A flap that turns by a quarter in a second, and another 10 m away: 24 m/s were expected."""
+    scene = scene_of(SHAKEN.split("[solid]")[0].replace("WALL", BOX) + TWO, tmp_path)
+    assert driven_speed(scene) == pytest.approx(largest_speed(scene.solid.clamps[0].motion, [[0.04, 0.04]]))
 
 
 def test_a_lattice_that_melts_makes_a_full_box_ring(tmp_path):
