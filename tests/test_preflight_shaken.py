@@ -10,7 +10,7 @@ from coupler.preflight.ladder import ladder
 from shared.expected_speed import driven_speed, sound_speed
 from shared.motion_table import largest_speed
 from shared.shakers import shakers
-from tests.preflights import bound_of, verdicts_of
+from tests.preflights import bound_of, said_of, verdicts_of
 from tests.scenes import scene_of
 
 SHAKEN = """\
@@ -79,6 +79,11 @@ def test_water_that_is_shaken_tells_its_sound_speed(tmp_path):
     assert sound_speed(shaken(tmp_path, 1e-4)) == pytest.approx(2.5 * OMEGA * 0.2, rel=0.03), "crossed in 0.4 rad"
     assert verdicts_of(shaken(tmp_path))["Mach"] == "ok"
     assert verdicts_of(shaken(tmp_path, sets=["fluid.sound_speed=0.63"]))["Mach"] == "refuse"
+
+
+def test_what_stands_still_shakes_nothing(tmp_path):
+    found = said_of(shaken(tmp_path, 0.0, sets=["fluid.sound_speed=10.0"]))["Mach"]
+    assert found.reason.startswith("up to 0 m/s")
 
 
 def test_what_shakes_water_slowly_leaves_its_sound_speed(tmp_path):

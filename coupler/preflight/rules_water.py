@@ -37,7 +37,7 @@ def mach(scene: Scene, n: Numbers) -> Finding | None:
     fastest = max(w.speed, viscous)
     value = fastest / w.sound_speed
     verdict = "refuse" if w.speed > MACH_REFUSE * w.sound_speed else above(value, MACH_WARN)
-    most = f"{'shaken as if by' if shaken_speed(scene) == w.speed else 'up to'} {w.speed:.3g} m/s"
+    most = f"{'shaken as if by' if 0.0 < shaken_speed(scene) == w.speed else 'up to'} {w.speed:.3g} m/s"
     if viscous > w.speed:
         most = f"viscous stresses up to {w.density * viscous**2:.3g} Pa"
     reason = f"{most} at c0 = {w.sound_speed:.3g} m/s: density varies by {100 * value**2:.2g} %"
