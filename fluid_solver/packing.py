@@ -38,11 +38,11 @@ def cutting(faces: np.ndarray, position: np.ndarray, dx: float) -> np.ndarray:
     (n, 2) [m] but not half a spacing off it."""
     along = np.abs(faces[:, 1] - faces[:, 0])
     cut = along.min(axis=1) > 1e-9 * along.max(axis=1)
-    for k, face in enumerate(faces):
-        start, axis = face[0], directions(face)
-        s, d = (position - start) @ axis, (position - start) @ -right_of(axis)
+    for k in np.flatnonzero(~cut):
+        face, axis = faces[k], directions(faces[k])
+        s, d = (position - face[0]) @ axis, (position - face[0]) @ -right_of(axis)
         beside = d[(s > 0.0) & (s < lengths(face)) & (d > -0.5 * dx) & (d < dx)]
-        cut[k] |= len(beside) > 0 and abs(beside.min() - 0.5 * dx) > FITS * dx
+        cut[k] = len(beside) > 0 and abs(beside.min() - 0.5 * dx) > FITS * dx
     return faces[cut]
 
 
