@@ -129,7 +129,6 @@ class Record:
 
     def _conclude(self, status: str, reason: str) -> None:
         """Write the result and draw the pictures."""
-        self._keep_scene()
         self.result = make_result(
             self._scene,
             self._text,
@@ -144,6 +143,7 @@ class Record:
             preflight=self.preflight,
         )
         write_result(self.run_dir, self.result)
+        self._keep_scene()
         from shared.pictures import draw_pictures  # loads for half a second
 
         self.pictures = draw_pictures(self.run_dir, self._scene)
