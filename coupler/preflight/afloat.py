@@ -7,7 +7,7 @@ import math
 import numpy as np
 
 from coupler.preflight.held import lengthwise
-from coupler.preflight.shapes import area
+from coupler.preflight.shapes import area, upward
 from shared.geometry import area_below, corners_of, outline
 from shared.schema import Scene
 from shared.schema_geometry import Body
@@ -40,7 +40,7 @@ def to_equilibrium(scene: Scene, body: Body) -> float:
     """Way [m] along gravity of a body from where it starts to where buoyancy, weight, loads of its mass and springs
     balance, by the width of its waterline at the start; the water's level moves along."""
     g = math.hypot(*scene.gravity)
-    up = -np.asarray(scene.gravity) / g
+    up = upward(scene)
     sides, level = outline(body) @ _frame(up), _level(scene, up)
     rho, own = scene.fluid.density, [load for load in scene.solid.loads if load.body == body.name and load.acceleration]
     push = float(sum(np.dot(load.acceleration, up) for load in own))
@@ -57,7 +57,7 @@ def buoyant_stiffness(scene: Scene, body: Body) -> float:
     g = math.hypot(*scene.gravity)
     if g == 0.0:
         return 0.0
-    up = -np.asarray(scene.gravity) / g
+    up = upward(scene)
     sides, level = outline(body) @ _frame(up), _level(scene, up)
     if level - sides[..., 1].min() <= _ROUNDING * np.ptp(sides[..., 1]):
         return 0.0

@@ -17,7 +17,7 @@ from coupler.preflight.finding import of_particles
 from coupler.preflight.held import largest_factor, lengthwise
 from coupler.preflight.numbers import Numbers
 from coupler.preflight.plate import STATIC_FACTOR, goals_quantity, levels_before, of_a_body, plates_body
-from coupler.preflight.shapes import area
+from coupler.preflight.shapes import area, upward
 from shared.geometry import outline
 from shared.regions import axes_of
 from shared.schema import Scene
@@ -38,7 +38,7 @@ def lattice_hold(scene: Scene, n: Numbers) -> float:
     forces = goals_quantity(scene) in FORCES
     if plate.model == "rigid" or plate.along or not (forces or scene.goal is None or of_a_body(scene)):
         return 0.0
-    body, up = plates_body(scene, plate), -np.asarray(scene.gravity) / g
+    body, up = plates_body(scene, plate), upward(scene)
     heights = outline(body).reshape(-1, 2) @ up
     depth = max(levels_before(scene, body)) - 0.5 * float(heights.min() + heights.max())
     most = (MANY if scene.fluid.h_over_dx >= MANY_NEIGHBOURS else FEW) * n.water.density * g * max(depth, 0.0)

@@ -21,7 +21,7 @@ from coupler.preflight.held import (
     swing_frequency,
 )
 from coupler.preflight.pressed import strain_along
-from coupler.preflight.shapes import area
+from coupler.preflight.shapes import area, upward
 from coupler.preflight.water import UPWARD, Water, edge_samples
 from shared.elasticity import wave_speed
 from shared.geometry import contains, outline
@@ -218,12 +218,6 @@ def waters_before(scene: Scene, body: Body, least: float = _WET) -> list[tuple[n
             waters = [water for water, one in zip(scene.fluid.bodies, inside, strict=True) if one.any()]
             found.append((sense * normal, waters))
     return found
-
-
-def upward(scene: Scene) -> np.ndarray:
-    """Direction (2,) against gravity; none without."""
-    g = np.asarray(scene.gravity)
-    return -g / np.hypot(*g) if g.any() else np.zeros(2)
 
 
 def _load(

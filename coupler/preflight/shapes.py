@@ -1,5 +1,5 @@
 """Areas of a scene's shapes and what particles fill of them, worked out once: pre-flight looks at the same shapes a
-hundred times."""
+hundred times. And which way is up."""
 
 from __future__ import annotations
 
@@ -9,6 +9,7 @@ import numpy as np
 
 from shared import geometry
 from shared.regions import Same, outline_own, own_size
+from shared.schema import Scene
 from shared.schema_geometry import Shape
 
 _SLANT = 1e-6  # of dx: a face that leaves its line by less lies along it
@@ -79,3 +80,9 @@ def crowding(shape: Shape, dx: float) -> float:
     """By how much the rows of particles between two neighbouring faces along a shape's lattice are too many or too few
     for their distance, over it: where it is most."""
     return 0.0 if shape.rectangle is not None else _crowding(Same(shape), dx)
+
+
+def upward(scene: Scene) -> np.ndarray:
+    """Direction (2,) against gravity; none without."""
+    g = np.asarray(scene.gravity, dtype=float)
+    return -g / np.hypot(*g) if g.any() else np.zeros(2)

@@ -17,7 +17,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from coupler.preflight.held import FACES_OF_AXIS, held_sides, lengthwise
-from coupler.preflight.plate import STATIC_FACTOR, Plate, plates_body, upward, waters_before
+from coupler.preflight.plate import STATIC_FACTOR, Plate, plates_body, waters_before
+from coupler.preflight.shapes import upward
 from coupler.preflight.water import UPWARD, Water
 from shared.geometry import corners_of
 from shared.regions import axes_of

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from coupler.preflight.shapes import area
+from coupler.preflight.shapes import area, upward
 from shared.expected_speed import drifts, driven_speed, expected_speed, sound_speed, start_speed
 from shared.fluid_step import COURANT, fluid_step
 from shared.geometry import contains, corners_of, distance_to, outline
@@ -119,9 +119,7 @@ def _fluid_particles(scene: Scene, support: float) -> float:
 def unbacked(scene: Scene) -> tuple[bool, bool, float]:
     """Whether sides or bottom of the water, and whether its surface, have nothing behind them; and by how much [m] the
     surface of a body that has one is off level."""
-    g = np.asarray(scene.gravity, dtype=float)
-    up = -g / np.hypot(*g) if g.any() else np.zeros(2)
-    dx = scene.fluid.dx
+    up, dx = upward(scene), scene.fluid.dx
     samples = [edge_samples([body], dx) for body in scene.fluid.bodies]
     middle, outward = (np.concatenate(part) for part in zip(*samples, strict=True))
     near = np.full(len(middle), np.inf)
@@ -134,13 +132,13 @@ def unbacked(scene: Scene) -> tuple[bool, bool, float]:
         for bound in bounds or ():
             near[np.abs(middle[:, axis] - bound) < _BACKED * dx] = 0.0
     free = near > _BACKED * dx
-    if not g.any():  # without weight nothing falls, and any face may be free
+    if not up.any():  # without weight nothing falls, and any face may be free
         return False, bool(free.any()), 0.0
-    upward = outward @ up > UPWARD
-    height = np.where(free & upward, middle @ up, np.nan)
+    looks_up = outward @ up > UPWARD
+    height = np.where(free & looks_up, middle @ up, np.nan)
     tops = (top[np.isfinite(top)] for top in np.split(height, np.cumsum([len(points) for points, _ in samples])[:-1]))
     slope = max((float(np.ptp(top)) for top in tops if len(top)), default=0.0)
-    return bool(np.any(free & ~upward)), bool(np.any(free & upward)), slope
+    return bool(np.any(free & ~looks_up)), bool(np.any(free & looks_up)), slope
 
 
 def _periods(scene: Scene) -> np.ndarray:
@@ -167,7 +165,7 @@ def bottomless(scene: Scene) -> float:
     g = np.asarray(scene.gravity, dtype=float)
     if not g.any() or g[_periods(scene)].any():
         return 0.0
-    up = -g / np.hypot(*g)
+    up = upward(scene)
     frame = np.stack([right_of(up), up], axis=1)  # across gravity, and against it
     dx = scene.fluid.dx
     middle, outward = edge_samples(scene.fluid.bodies, dx)
