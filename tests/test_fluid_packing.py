@@ -32,16 +32,21 @@ def laid(case):
     return fluid_particles(case, 20.0, ghosts), ghosts
 
 
-def test_particles_stand_evenly_off_a_slope(monkeypatch):
-    case = over_a_ridge(1.3)
+def packed_off(case, monkeypatch):
+    """The faces that cut the lattice of a scene, its fluid on that lattice and as packed off them, and the ghosts."""
     packed, ghosts = laid(case)
     monkeypatch.setattr(initial, "pack", lambda fluid, position, *_: position)
     lattice, _ = laid(case)
-    slopes = cutting(boundary_faces(case), lattice.position, DX)
-    assert len(slopes) == 2
-    gaps = [distance_to(slopes, one.position).min() / DX for one in (lattice, packed)]
+    faces = cutting(boundary_faces(case), lattice.position, DX)
+    gaps = [distance_to(faces, one.position).min() / DX for one in (lattice, packed)]
     assert gaps[0] < 0.3
     assert gaps[1] > CLEAR - 0.05  # settled, it stands a little lower
+    return faces, lattice, packed, ghosts
+
+
+def test_particles_stand_evenly_off_a_slope(monkeypatch):
+    slopes, lattice, packed, ghosts = packed_off(over_a_ridge(1.3), monkeypatch)
+    assert len(slopes) == 2
     apart = [
         cKDTree(np.concatenate([one.position, ghosts.position])).query(one.position, 2)[0][:, 1].min() / DX
         for one in (lattice, packed)
@@ -63,14 +68,8 @@ def test_a_step_that_the_lattice_does_not_fit_is_packed_too(monkeypatch):
     step = [(0.0, 0.0), (0.1125, 0.0), (0.1125, 0.1), (0.3, 0.1), (0.3, 0.3), (0.0, 0.3)]
     walls = [{"name": "tank", "polyline": [(0.0, 0.4), *step[:4], (0.3, 0.4)]}]
     case = scene([{"name": "water", "polygon": step}], walls=walls, dx=DX, h_over_dx=1.3)
-    packed, _ = laid(case)
-    monkeypatch.setattr(initial, "pack", lambda fluid, position, *_: position)
-    lattice, _ = laid(case)
-    face = cutting(boundary_faces(case), lattice.position, DX)
-    assert len(face) == 1
-    gaps = [distance_to(face, one.position).min() / DX for one in (lattice, packed)]
-    assert gaps[0] < 0.3
-    assert gaps[1] > CLEAR - 0.05
+    faces, *_ = packed_off(case, monkeypatch)
+    assert len(faces) == 1
 
 
 @pytest.mark.parametrize("h_over_dx", [1.3, 2.0])
