@@ -13,9 +13,8 @@ by field, 512-bit registers, also with loops that the compiler does not interlea
 registers they take a quarter off the rates of wcsph and nothing off ctvf, for seven digits in place of sixteen; with a
 Newton step that brings the digits back they gain nothing), or guessed from the bits with Newton's, Householder's or
 Goldschmidt's steps: a root alone takes a third of the time, but the sweep does not, for its chain of products is too
-long for the scheduler to overlap. What a division was, in artificial viscosity,
-is such a guess (terms.inverse): there the chain is short. Not tried, for order in time would be lost: rates and forces
-in one sweep.
+long for the scheduler to overlap. What a division was, in artificial viscosity, is such a guess (terms.inverse): there
+the chain is short. Not tried, for order in time would be lost: rates and forces in one sweep.
 """
 
 from __future__ import annotations
