@@ -19,8 +19,8 @@ from typing import Protocol
 
 import numpy as np
 
-from shared.checkpoint import State, inside
-from shared.schema_coupling import Coupling
+from shared.run.checkpoint import State, inside
+from shared.schema.coupling import Coupling
 
 FILTER = 1e-3
 """A difference that the newer ones explain up to this fraction of its length says nothing new, and is left out."""

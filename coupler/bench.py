@@ -21,10 +21,10 @@ from coupler.prediction import Predictor
 from coupler.schemes import Coupled, probes
 from coupler.supervisor import solver_processes
 from coupler.window import Plan
-from shared.checkpoint import claim
 from shared.clock import Clock
-from shared.scene import dump_scene
-from shared.schema import Scene
+from shared.run.checkpoint import claim
+from shared.scene.reading import dump_scene
+from shared.schema.scene import Scene
 
 _WARM = 50  # windows before the clock starts
 

@@ -26,9 +26,9 @@ from coupler.schemes import (
 )
 from coupler.vectors import Measure
 from coupler.window import Plan
-from shared.checkpoint import State, inside, under
 from shared.clock import Window
-from shared.schema_coupling import Coupling
+from shared.run.checkpoint import State, inside, under
+from shared.schema.coupling import Coupling
 
 log = logging.getLogger("shearwater")
 

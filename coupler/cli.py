@@ -36,12 +36,12 @@ from shared.commands import (
     warn,
 )
 from shared.contract import BadInput
-from shared.plain import plain
-from shared.record import Record
-from shared.results import write_result
-from shared.resume import unfinished
-from shared.scene import load_scene, shipped_cases
-from shared.schema import Scene
+from shared.run.plain import plain
+from shared.run.record import Record
+from shared.run.results import write_result
+from shared.run.resume import unfinished
+from shared.scene.reading import load_scene, shipped_cases
+from shared.schema.scene import Scene
 
 app = new_app("Couples a fluid and a solid solver: fluid-structure interaction with smoothed particle hydrodynamics.")
 

@@ -15,9 +15,9 @@ from coupler.supervisor import PACKAGES
 from shared.contract import Model
 from shared.link import InProcessLink
 from shared.participant import Participant, own_faces
-from shared.schema import Scene
+from shared.scene.sides import own_probes
+from shared.schema.scene import Scene
 from shared.service import Service
-from shared.sides import own_probes
 
 
 def side_model(scene: Scene, side: str, coupled: bool, threads: int) -> Model:

@@ -22,11 +22,11 @@ from pathlib import Path
 import numpy as np
 
 from coupler.schemes import Outcome
-from shared.checkpoint import State
 from shared.clock import Window
 from shared.contract import ShearwaterError, SolverFailed
-from shared.lines import Lines
-from shared.schema_coupling import Limits
+from shared.run.checkpoint import State
+from shared.run.lines import Lines
+from shared.schema.coupling import Limits
 
 COLUMNS = (
     "window",

@@ -7,8 +7,8 @@ from typing import Any, Protocol
 
 from coupler.schemes import Coupled
 from coupler.window import Plan
-from shared.checkpoint import Checkpoint, Checkpoints, State, inside, misfit, read_state, under, write_state
 from shared.clock import Window
+from shared.run.checkpoint import Checkpoint, Checkpoints, State, inside, misfit, read_state, under, write_state
 
 PART = "run"
 """The coupler's own part of a checkpoint."""

@@ -11,10 +11,10 @@ from pathlib import Path
 
 from coupler.preflight.check import Preflight, actual
 from coupler.supervisor import PACKAGES
-from shared.plain import plain
-from shared.results import new_run_directory, read_result, write_result
-from shared.scene import dump_scene
-from shared.schema import Scene
+from shared.run.plain import plain
+from shared.run.results import new_run_directory, read_result, write_result
+from shared.scene.reading import dump_scene
+from shared.schema.scene import Scene
 
 
 def run_one_side(

@@ -6,9 +6,9 @@ from collections import deque
 
 import numpy as np
 
-from shared.checkpoint import State, inside
 from shared.clock import Window
 from shared.contract import Exchange, Kinematics, exchange_fields
+from shared.run.checkpoint import State, inside
 
 _WEIGHTS = {0: (1.0,), 1: (2.0, -1.0), 2: (3.0, -3.0, 1.0)}
 """Extrapolation of equally spaced values, the newest first, exact for polynomials of the order."""

@@ -9,10 +9,10 @@ from pathlib import Path
 import numpy as np
 
 from coupler.schemes import Coupled, Outcome
-from shared.checkpoint import Checkpoint
 from shared.clock import Clock, Window
 from shared.contract import exchange_fields
-from shared.recording import Recorder, recording_of
+from shared.run.checkpoint import Checkpoint
+from shared.run.recording import Recorder, recording_of
 
 
 class Recording:

@@ -8,7 +8,7 @@ from collections.abc import Mapping
 from typing import Any
 
 from shared.contract import BadInput, ParticipantLost, SolverFailed
-from shared.schema_solid import PARTICLE_MODELS
+from shared.schema.solid import PARTICLE_MODELS
 from shared.wire import BadMessage
 
 ROLES = {"fluid": "fluid", "solid": "structure"}

@@ -13,11 +13,11 @@ from typing import Any
 
 import numpy as np
 
-from shared.checkpoint import is_claimed, way_on
 from shared.contract import BadInput, ShearwaterError
-from shared.drawing import FONT_PT, INK, axes_at, new_figure
-from shared.results import loss, read_result
-from shared.scene import load_scene
+from shared.run.checkpoint import is_claimed, way_on
+from shared.run.drawing import FONT_PT, INK, axes_at, new_figure
+from shared.run.results import loss, read_result
+from shared.scene.reading import load_scene
 
 _WIDTH_IN, _HEIGHT_IN = 6.5, 2.8
 _STYLE = """

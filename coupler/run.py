@@ -25,14 +25,14 @@ from coupler.schemes import Coupled, probes
 from coupler.supervisor import PACKAGES, solver_processes
 from coupler.tally import Tally, coupling_cost
 from coupler.window import Plan, alpha_rate, make_plan, mass_ratio
-from shared.checkpoint import Checkpoint, Checkpoints, way_on
 from shared.clock import Clock
 from shared.contract import BadInput, Description, ParticipantLost, SolverFailed
-from shared.record import Record
-from shared.results import new_run_directory
-from shared.resume import Unfinished
-from shared.schema import Scene
-from shared.sides import probe_rows
+from shared.run.checkpoint import Checkpoint, Checkpoints, way_on
+from shared.run.record import Record
+from shared.run.results import new_run_directory
+from shared.run.resume import Unfinished
+from shared.scene.sides import probe_rows
+from shared.schema.scene import Scene
 from shared.stopping import stopping_between_windows
 from shared.warm import fill_cache
 

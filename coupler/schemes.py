@@ -17,9 +17,9 @@ from coupler.mapping import Mapping
 from coupler.prediction import Predictor, carried_on
 from coupler.remote import Remote
 from coupler.vectors import Measure, pack, unpack
-from shared.checkpoint import State, inside, under
 from shared.clock import Window
 from shared.contract import Kinematics, Loads, SolverFailed, exchange_fields
+from shared.run.checkpoint import State, inside, under
 
 Probes = dict[str, float]
 

@@ -13,7 +13,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from shared.contract import Exchange, Loads, exchange_fields
-from shared.schema_coupling import Coupling
+from shared.schema.coupling import Coupling
 
 _STILL = 1e-12
 """Mean speed [m/s] below which a motion counts as none."""

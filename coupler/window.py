@@ -10,10 +10,10 @@ import math
 from dataclasses import dataclass, field
 
 from shared.contract import Description
-from shared.regions import own_size
-from shared.schema import Scene
-from shared.schema_coupling import Coupling
-from shared.schema_solid import PARTICLE_MODELS
+from shared.geometry.regions import own_size
+from shared.schema.coupling import Coupling
+from shared.schema.scene import Scene
+from shared.schema.solid import PARTICLE_MODELS
 
 LARGEST_ALPHA = 0.07
 """Largest α of an automatic window without iteration. On an absorbing column the serial protocol holds up to 2, 1.155

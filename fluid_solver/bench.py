@@ -13,7 +13,7 @@ import numpy as np
 from fluid_solver.fields import FLUID, U, V, X, Y
 from fluid_solver.models import make_model
 from fluid_solver.stages import OPERATIONS, candidates, stages
-from shared.schema import Scene
+from shared.schema.scene import Scene
 
 COLUMN = 0.146  # m, width of the column; twice as high (Martin & Moyce's larger one, Koshizuka & Oka)
 STRETCHING = 8.0  # 1/s; the column's top falls at 2.3 m/s

@@ -13,7 +13,7 @@ from fluid_solver.bench import profile, run_benchmark
 from fluid_solver.machine import copy_rate, multiply_add_rate
 from fluid_solver.models import make_model
 from shared.commands import run_app
-from shared.schema_fluid import PARTICLE_FLUIDS
+from shared.schema.fluid import PARTICLE_FLUIDS
 from shared.solver_cli import solver_app
 
 app = solver_app("fluid", make_model)

@@ -29,9 +29,9 @@ from fluid_solver.delay_line import DelayLine
 from fluid_solver.hermite import hermite
 from shared.contract import Description, Frame, Kinematics, Loads, SolverFailed
 from shared.expected_speed import sound_speed
-from shared.schema import Scene
-from shared.schema_probes import FORCES
-from shared.schema_solid import RIGID_MODELS
+from shared.schema.probes import FORCES
+from shared.schema.scene import Scene
+from shared.schema.solid import RIGID_MODELS
 
 
 class Columns:

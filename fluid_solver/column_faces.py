@@ -11,11 +11,12 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from shared.geometry import fill, outline, own_box
-from shared.schema import Scene
-from shared.schema_geometry import Body
-from shared.segments import right_of
-from shared.wetted_faces import wetted_stretches
+from shared.geometry.particles import fill
+from shared.geometry.regions import outline, own_box
+from shared.geometry.segments import right_of
+from shared.geometry.wetted_faces import wetted_stretches
+from shared.schema.geometry import Body
+from shared.schema.scene import Scene
 
 _AT_AN_END = np.array([3.0, -6.0, 4.0, -1.0]) / 24.0  # what columns at an end of a face are wider than their cells
 

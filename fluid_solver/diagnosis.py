@@ -11,9 +11,9 @@ from fluid_solver.cells import BLOCK
 from fluid_solver.fields import FLUID, PARKED, RHO, P, U, V, X, Y
 from fluid_solver.period import period_of
 from shared.contract import SolverFailed
-from shared.geometry import outline
+from shared.geometry.regions import outline
 from shared.jit import njit, parallel_njit
-from shared.schema import Scene
+from shared.schema.scene import Scene
 
 log = logging.getLogger("shearwater")
 

@@ -6,8 +6,8 @@ import math
 
 import numpy as np
 
-from shared.geometry import outline
-from shared.schema_fluid import FluidBody
+from shared.geometry.regions import outline
+from shared.schema.fluid import FluidBody
 
 
 def initial_flow(body: FluidBody, position: np.ndarray, rho0: float) -> tuple[np.ndarray, np.ndarray]:

@@ -10,10 +10,11 @@ import numpy as np
 
 from fluid_solver.fields import FREE_SLIP, NO_SLIP, STRUCTURE
 from fluid_solver.period import within_period
-from shared.geometry import contains, distance_to, outline, outline_less, wall_particles
-from shared.geometry import ghosts as body_ghosts
-from shared.schema import Scene
-from shared.wall_chains import Chain, Ground, chains
+from shared.geometry.particles import ghosts as body_ghosts
+from shared.geometry.particles import wall_particles
+from shared.geometry.regions import contains, distance_to, outline, outline_less
+from shared.geometry.wall_chains import Chain, Ground, chains
+from shared.schema.scene import Scene
 
 _ROUNDING = 1e-9  # of a distance
 _OWNED = 0.25  # of dx: wall particles this close to a solid body are the body's

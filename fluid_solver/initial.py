@@ -12,9 +12,10 @@ from fluid_solver.packing import off_faces, pack
 from fluid_solver.period import period_of
 from fluid_solver.settled import settle
 from shared.contract import BadInput
-from shared.geometry import fill, outline
-from shared.schema import Scene
-from shared.wall_chains import segments_of
+from shared.geometry.particles import fill
+from shared.geometry.regions import outline
+from shared.geometry.wall_chains import segments_of
+from shared.schema.scene import Scene
 
 CLEAR = 0.25  # of dx: fluid laid nearer to a face is moved off it; on the face it would start at the wrong pressure
 

@@ -47,7 +47,7 @@ from shared.expected_speed import sound_speed
 from shared.fluid_step import fluid_step
 from shared.jit import use_threads
 from shared.kernels import kernel_named
-from shared.schema import Scene
+from shared.schema.scene import Scene
 
 SERIAL_BELOW = 5000  # particles; fewer run faster on one thread
 

@@ -6,7 +6,7 @@ from fluid_solver.column import Columns
 from fluid_solver.model import ParticleFluid
 from fluid_solver.still import StillWater
 from shared.contract import Model
-from shared.schema import Scene
+from shared.schema.scene import Scene
 
 MODELS = {"ctvf": ParticleFluid, "wcsph": ParticleFluid, "still": StillWater, "column": Columns}
 

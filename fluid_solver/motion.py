@@ -20,13 +20,13 @@ from fluid_solver.fields import AX, AY, FLUID, PARKED, X, Y
 from fluid_solver.ghosts import Ghosts, joints
 from fluid_solver.hermite import hermite
 from shared.contract import Kinematics
+from shared.geometry.motion_table import MotionTable
+from shared.geometry.wall_chains import chains
 from shared.ghost_inertia import ghosts_feel_acceleration
 from shared.jit import inline_njit, njit, parallel_njit
-from shared.motion_table import MotionTable
-from shared.schema import Scene
-from shared.schema_fluid import Wall
-from shared.schema_geometry import Motion
-from shared.wall_chains import chains
+from shared.schema.fluid import Wall
+from shared.schema.geometry import Motion
+from shared.schema.scene import Scene
 
 POSE = 8
 _NEAREST = 12  # ghosts of a body that its face's velocity is taken from

@@ -10,9 +10,9 @@ from fluid_solver.sampling import sample, surface_at
 from fluid_solver.wall_forces import WallForces
 from shared.jit import njit
 from shared.kernels import Kernel
-from shared.schema import Scene
-from shared.schema_probes import FORCES, Probe
-from shared.sides import is_solids
+from shared.scene.sides import is_solids
+from shared.schema.probes import FORCES, Probe
+from shared.schema.scene import Scene
 
 CONNECTED = 6  # fluid neighbours within the support that make a particle part of the bulk, not of the spray
 INSIDE = 0.5  # of dx: fluid nearer than this to a ghost's centre is inside a wall

@@ -17,11 +17,12 @@ import numpy as np
 from scipy.spatial import cKDTree
 
 from fluid_solver.ghosts import Ghosts
-from shared.geometry import distance_to, surroundings
+from shared.geometry.particles import surroundings
+from shared.geometry.regions import distance_to
+from shared.geometry.segments import directions, lengths, right_of
 from shared.kernels import Kernel, evaluate, kernel_named
-from shared.schema_fluid import Fluid
-from shared.schema_geometry import Body
-from shared.segments import directions, lengths, right_of
+from shared.schema.fluid import Fluid
+from shared.schema.geometry import Body
 
 REACH = 2.0  # supports: how far from such a face fluid is packed
 FITS = 0.1  # of dx: how far from half a spacing off a face a lattice may be that fits it

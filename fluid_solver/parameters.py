@@ -10,8 +10,8 @@ import numpy as np
 
 from shared.fluid_step import COURANT, LARGEST_COURANT
 from shared.kernels import Kernel, evaluate, f_scale, w_scale
-from shared.schema import Scene
-from shared.schema_fluid import Fluid
+from shared.schema.fluid import Fluid
+from shared.schema.scene import Scene
 
 PAIRING = 0.2  # R of Sun et al. (2019): weight of the term against pairing
 EDAC_ALPHA = 0.5  # ν_e = EDAC_ALPHA h c0/8 (Ramachandran & Puri 2019)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from shared.schema import Scene
+from shared.schema.scene import Scene
 
 
 def period_of(scene: Scene) -> np.ndarray:

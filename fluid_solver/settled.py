@@ -19,9 +19,9 @@ import math
 
 import numpy as np
 
-from shared.geometry import outline
-from shared.schema_geometry import Body
-from shared.segments import right_of
+from shared.geometry.regions import outline
+from shared.geometry.segments import right_of
+from shared.schema.geometry import Body
 
 LIGHTEST = 0.5  # share of its mass that a particle has at least: less at the edge of deep water, which is let down
 _THINNEST = 1e-9  # of the water's depth: a thinner stretch

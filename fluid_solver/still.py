@@ -19,11 +19,12 @@ from scipy.sparse import csr_matrix, lil_matrix
 
 from fluid_solver.still_level import Level, pools
 from shared.contract import Description, Frame, Kinematics, Loads, SolverFailed
-from shared.geometry import contains, fill, outline
-from shared.schema import Scene
-from shared.schema_probes import FORCES
-from shared.segments import lengths, right_of
-from shared.wetted_faces import DRY, wet_links
+from shared.geometry.particles import fill
+from shared.geometry.regions import contains, outline
+from shared.geometry.segments import lengths, right_of
+from shared.geometry.wetted_faces import DRY, wet_links
+from shared.schema.probes import FORCES
+from shared.schema.scene import Scene
 
 _LEAST_BENDS = 3  # of a chain, from which they tell how it bends at its ends
 

@@ -11,9 +11,9 @@ import numpy as np
 from scipy.optimize import brentq
 
 from shared.contract import SolverFailed
-from shared.geometry import area_below, contains, outline
-from shared.schema_geometry import Body
-from shared.segments import right_of
+from shared.geometry.regions import area_below, contains, outline
+from shared.geometry.segments import right_of
+from shared.schema.geometry import Body
 
 _BESIDE = 1e-3  # of a side: bodies touch where one holds a point this far off the other's
 _ROUNDING = 1e-12  # of the water's height

@@ -5,9 +5,9 @@ from __future__ import annotations
 import logging
 
 from shared.contract import BadInput
-from shared.schema import Scene
-from shared.thin_bodies import thin_bodies
-from shared.thin_walls import THINNEST
+from shared.geometry.thin_bodies import thin_bodies
+from shared.geometry.thin_walls import THINNEST
+from shared.schema.scene import Scene
 
 log = logging.getLogger("shearwater")
 

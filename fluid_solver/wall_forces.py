@@ -16,10 +16,10 @@ import numpy as np
 
 from fluid_solver.fields import STRUCTURE
 from fluid_solver.ghosts import Ghosts, joints
-from shared.geometry import distance_to
-from shared.schema import Scene
-from shared.segments import directions, right_of
-from shared.wall_chains import MEET, Chain, Ground, chains, parting
+from shared.geometry.regions import distance_to
+from shared.geometry.segments import directions, right_of
+from shared.geometry.wall_chains import MEET, Chain, Ground, chains, parting
+from shared.schema.scene import Scene
 
 _LEAST_SINE = 0.1  # of the turn at a corner: below, about 6°, and beyond 174°, each ghost's force is its owner's
 

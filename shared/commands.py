@@ -14,10 +14,10 @@ from rich.console import Console
 from rich.table import Table
 
 from shared.contract import ShearwaterError
-from shared.record import Record
-from shared.results import loss, missed, unsettled
-from shared.scene import scene_warnings
-from shared.schema import Scene
+from shared.run.record import Record
+from shared.run.results import loss, missed, unsettled
+from shared.scene.warnings import scene_warnings
+from shared.schema.scene import Scene
 from shared.start import INTERRUPTED, on_stop_signals
 from shared.stopping import STOP, ask_once_more
 from shared.streams import lost_output, say

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 
-from shared.schema_solid import Solid
+from shared.schema.solid import Solid
 
 
 def lame(solid: Solid) -> tuple[float, float]:

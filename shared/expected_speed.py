@@ -14,14 +14,14 @@ import math
 import numpy as np
 
 from shared.elasticity import bulk_modulus
-from shared.geometry import area, corners_of, faces, outline
-from shared.motion_table import largest_speed
-from shared.schema import Scene
-from shared.schema_fluid import PARTICLE_FLUIDS, FluidBody
-from shared.schema_solid import RIGID_MODELS, Load, Solid, SolidBody
-from shared.segments import lengths, right_of
-from shared.shakers import prescribed, shakers, sound_time
-from shared.wall_speeds import lasting_faces, pushing_speed
+from shared.geometry.motion_table import largest_speed
+from shared.geometry.regions import area, corners_of, faces, outline
+from shared.geometry.segments import lengths, right_of
+from shared.geometry.shakers import prescribed, shakers, sound_time
+from shared.geometry.wall_speeds import lasting_faces, pushing_speed
+from shared.schema.fluid import PARTICLE_FLUIDS, FluidBody
+from shared.schema.scene import Scene
+from shared.schema.solid import RIGID_MODELS, Load, Solid, SolidBody
 
 _UPRIGHT = 1e-6  # sine of a slope up to which a face is upright
 MACH = 0.1  # largest expected speed, or √(stress/ρ), over the automatic sound speed: density varies by 1 %

@@ -15,10 +15,11 @@ from scipy.sparse import csr_matrix, vstack
 from scipy.spatial import cKDTree
 
 from shared.contract import BadInput, Description
-from shared.geometry import fill, outline_less
+from shared.geometry.particles import fill
+from shared.geometry.regions import outline_less
+from shared.geometry.segments import lengths, right_of
 from shared.linear_fit import linear_row
-from shared.schema import Scene
-from shared.segments import lengths, right_of
+from shared.schema.scene import Scene
 
 
 class FaceLoads:

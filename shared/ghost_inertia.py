@@ -8,10 +8,10 @@ what sound sends back in a window (coupler/stability/theory.py).
 
 from __future__ import annotations
 
-from shared.geometry import own_box
-from shared.schema import Scene
-from shared.schema_coupling import Coupling
-from shared.schema_solid import PARTICLE_MODELS
+from shared.geometry.regions import own_box
+from shared.schema.coupling import Coupling
+from shared.schema.scene import Scene
+from shared.schema.solid import PARTICLE_MODELS
 
 _LARGEST_SERIAL = (1.0, 0.33, 0.14)
 """μ up to which "auto" lets it in, by predictor order. Measured: at 0.17 and 0.5 it makes no difference to the mean of

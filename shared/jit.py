@@ -34,13 +34,13 @@ FLAGS = {
 
 
 _PACKAGES = ("shared", "fluid_solver", "solid_solver")
-_IMPORT = re.compile(rf"^\s*from ({'|'.join(_PACKAGES)})(?:\.(\w+))? import (.+)$", re.MULTILINE)
+_IMPORT = re.compile(rf"^\s*from ({'|'.join(_PACKAGES)})(?:\.([\w.]+))? import (.+)$", re.MULTILINE)
 
 
 def source_digest(root: Path) -> str:
     """Digest of the Python sources below `root` that compiled code can depend on: those that compile, and all that they
     import."""
-    texts = {path: path.read_text(encoding="utf-8") for package in _PACKAGES for path in (root / package).glob("*.py")}
+    texts = {path: path.read_text(encoding="utf-8") for package in _PACKAGES for path in (root / package).rglob("*.py")}
     waiting = [path for path, text in texts.items() if "from shared.jit import" in text or path.stem == "jit"]
     needed: set[Path] = set()
     while waiting:
@@ -49,7 +49,7 @@ def source_digest(root: Path) -> str:
             needed.add(path)
             for package, module, names in _IMPORT.findall(texts[path]):
                 modules = [module] if module else re.findall(r"\w+", names)
-                waiting += [p for p in (root / package / f"{m}.py" for m in modules) if p in texts]
+                waiting += [p for p in (root / package / f"{m.replace('.', '/')}.py" for m in modules) if p in texts]
     digest = hashlib.sha256()
     for path in sorted(needed):
         digest.update(texts[path].encode())

@@ -15,7 +15,6 @@ from pathlib import Path
 
 import numpy as np
 
-from shared.checkpoint import inside, misfit, read_state, under, write_state
 from shared.clock import Clock, Window
 from shared.contract import (
     TAKES,
@@ -31,9 +30,10 @@ from shared.contract import (
     exchange_shapes,
 )
 from shared.face_loads import FaceLoads
-from shared.results import peak_mib
-from shared.schema import Scene
-from shared.vtkhdf import FrameWriter
+from shared.run.checkpoint import inside, misfit, read_state, under, write_state
+from shared.run.results import peak_mib
+from shared.run.vtkhdf import FrameWriter
+from shared.schema.scene import Scene
 
 log = logging.getLogger("shearwater")
 

@@ -12,7 +12,7 @@ from __future__ import annotations
 import math
 
 from shared.elasticity import wave_speed
-from shared.schema_solid import Solid
+from shared.schema.solid import Solid
 
 LATTICE_SHARE = 0.85
 """Of the lattice's limit, that "auto" takes; the rest is for the error of the power iteration."""

@@ -10,17 +10,17 @@ from typing import Any
 
 import numpy as np
 
-from shared.checkpoint import Checkpoint, Checkpoints
 from shared.clock import Clock
 from shared.contract import BadInput, Kinematics, Model, ParticipantLost, ShearwaterError
 from shared.participant import Participant, own_faces
-from shared.record import Record
-from shared.recording import BEFORE_WINDOWS, RUN, messages, recording_of
-from shared.results import new_run_directory
-from shared.resume import Unfinished
-from shared.schema import Scene
+from shared.run.checkpoint import Checkpoint, Checkpoints
+from shared.run.record import Record
+from shared.run.recording import BEFORE_WINDOWS, RUN, messages, recording_of
+from shared.run.results import new_run_directory
+from shared.run.resume import Unfinished
+from shared.scene.sides import own_probes, probe_rows
+from shared.schema.scene import Scene
 from shared.service import Service
-from shared.sides import own_probes, probe_rows
 from shared.stopping import stopping_between_windows
 from shared.warm import fill_cache
 from shared.wire import BadMessage, Message, decode

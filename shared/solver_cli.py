@@ -25,10 +25,10 @@ from shared.commands import (
 from shared.contract import BadInput
 from shared.link_serve import serve
 from shared.participant import Participant, own_faces
-from shared.resume import unfinished
-from shared.scene import load_scene
+from shared.run.resume import unfinished
+from shared.scene.reading import load_scene
+from shared.scene.sides import own_probes
 from shared.service import Service
-from shared.sides import own_probes
 from shared.slices import set_slice
 from shared.solo import Factory, replay_alone, resume_alone, run_alone
 from shared.stopping import end_with

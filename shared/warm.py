@@ -22,9 +22,9 @@ import numpy as np
 
 from shared.awake import wait_for
 from shared.contract import Kinematics, Loads, Model, ShearwaterError
-from shared.schema import Scene
-from shared.schema_fluid import PARTICLE_FLUIDS
-from shared.sides import own_probes
+from shared.scene.sides import own_probes
+from shared.schema.fluid import PARTICLE_FLUIDS
+from shared.schema.scene import Scene
 
 _TINY_STEPS = 2
 _PLACE = str(Path(__file__).resolve().parent)  # numba keeps what it compiles of the same sources elsewhere apart

@@ -9,10 +9,10 @@ import numpy as np
 
 from shared.contract import BadInput
 from shared.elasticity import plane_modulus
-from shared.regions import SIDES
-from shared.schema import Scene
-from shared.schema_geometry import Motion
-from shared.schema_solid import Load, Solid
+from shared.geometry.regions import SIDES
+from shared.schema.geometry import Motion
+from shared.schema.scene import Scene
+from shared.schema.solid import Load, Solid
 from shared.solid_step import first_frequency
 from solid_solver.filled import FilledBody
 from solid_solver.loads import Schedule, schedule

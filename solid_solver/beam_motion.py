@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from shared.schema import Scene
+from shared.schema.scene import Scene
 from solid_solver.beam_element import energies, strain_rates, strains
 from solid_solver.beam_ends import BeamEnds
 from solid_solver.beam_geometry import Beam, beam_loads

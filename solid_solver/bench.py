@@ -8,7 +8,7 @@ from __future__ import annotations
 import math
 import time
 
-from shared.schema import Scene
+from shared.schema.scene import Scene
 from solid_solver.models import make_model
 
 LENGTH, THICKNESS = 0.2, 0.012  # m

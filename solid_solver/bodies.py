@@ -11,11 +11,11 @@ import numpy as np
 from scipy.spatial import cKDTree
 
 from shared.contract import BadInput
-from shared.geometry import faces
+from shared.geometry.motion_table import MotionTable
+from shared.geometry.regions import faces
 from shared.kernels import kernel_named
-from shared.motion_table import MotionTable
-from shared.schema import Scene
-from shared.schema_solid import SolidBody
+from shared.schema.scene import Scene
+from shared.schema.solid import SolidBody
 from solid_solver.clamps import FACE_POINT_WEIGHT, face_points
 from solid_solver.filled import FilledBody, filled_bodies
 from solid_solver.held import FIELDS, MovingClamp

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from shared.motion_table import MotionTable
-from shared.schema_geometry import Motion
+from shared.geometry.motion_table import MotionTable
+from shared.schema.geometry import Motion
 from solid_solver.rigid_points import moved
 
 

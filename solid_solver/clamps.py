@@ -6,9 +6,9 @@ import math
 
 import numpy as np
 
-from shared.geometry import faces
-from shared.schema_solid import Clamp
-from shared.segments import directions, lengths, right_of
+from shared.geometry.regions import faces
+from shared.geometry.segments import directions, lengths, right_of
+from shared.schema.solid import Clamp
 from solid_solver.filled import FilledBody
 
 FACE_POINT_WEIGHT = 0.5

@@ -8,7 +8,7 @@ from typing import Annotated
 import typer
 
 from shared.commands import default_threads, run_app
-from shared.schema_solid import Solid
+from shared.schema.solid import Solid
 from shared.solver_cli import solver_app
 from solid_solver.bench import run_benchmark
 from solid_solver.models import make_model

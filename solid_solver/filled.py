@@ -7,9 +7,9 @@ from dataclasses import dataclass
 import numpy as np
 
 from shared.contract import BadInput
-from shared.geometry import fill
-from shared.schema import Scene
-from shared.schema_solid import SolidBody
+from shared.geometry.particles import fill
+from shared.schema.scene import Scene
+from shared.schema.solid import SolidBody
 
 
 @dataclass(frozen=True)

@@ -12,9 +12,9 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.sparse import csr_array
 
-from shared.geometry import faces
-from shared.schema_solid import Load
-from shared.segments import directions, right_of
+from shared.geometry.regions import faces
+from shared.geometry.segments import directions, right_of
+from shared.schema.solid import Load
 from solid_solver.bodies import LatticeBody
 from solid_solver.clamps import face_points
 from solid_solver.held import MovingClamp, sizes

@@ -11,8 +11,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from shared.motion_table import MotionTable
-from shared.schema_solid import Clamp
+from shared.geometry.motion_table import MotionTable
+from shared.schema.solid import Clamp
 from solid_solver.rigid_points import moved
 
 FIELDS = 3

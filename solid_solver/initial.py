@@ -8,10 +8,9 @@ import numpy as np
 from scipy.optimize import brentq
 
 from shared.elasticity import bulk_modulus
-from shared.geometry import own_box
-from shared.regions import SIDES
-from shared.schema_solid import Solid, SolidBody
-from shared.segments import right_of
+from shared.geometry.regions import SIDES, own_box
+from shared.geometry.segments import right_of
+from shared.schema.solid import Solid, SolidBody
 
 
 def cantilever_root(mode: int) -> float:

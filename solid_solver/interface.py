@@ -8,10 +8,10 @@ import numpy as np
 
 from shared.contract import Description, Kinematics
 from shared.elasticity import wave_speed
-from shared.limbs import thickness_of
-from shared.regions import own_size
-from shared.schema import Scene
-from shared.schema_solid import RIGID_MODELS
+from shared.geometry.limbs import thickness_of
+from shared.geometry.regions import own_size
+from shared.schema.scene import Scene
+from shared.schema.solid import RIGID_MODELS
 from solid_solver.filled import FilledBody
 
 

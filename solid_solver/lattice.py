@@ -11,7 +11,7 @@ from collections.abc import Mapping
 import numpy as np
 
 from shared.elasticity import lame, wave_speed
-from shared.schema_solid import Solid
+from shared.schema.solid import Solid
 from shared.solid_step import lattice_step, viscous_time
 from solid_solver.bodies import LatticeBody
 from solid_solver.energies import lattice_energy

@@ -8,9 +8,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from shared.geometry import faces
-from shared.schema import Scene
-from shared.schema_solid import Load
+from shared.geometry.regions import faces
+from shared.schema.scene import Scene
+from shared.schema.solid import Load
 from solid_solver.bodies import LatticeBody
 from solid_solver.clamps import face_points
 from solid_solver.following import FollowingLoad, following_load

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from shared.contract import Model
-from shared.schema import Scene
+from shared.schema.scene import Scene
 from solid_solver.beam import BeamModel
 from solid_solver.rigid import Rigid
 from solid_solver.rigid_spring import SpringModel

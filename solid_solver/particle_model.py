@@ -13,7 +13,7 @@ import numpy as np
 
 from shared.contract import Description, Exchange, Frame, Kinematics, Loads
 from shared.jit import use_threads
-from shared.schema import Scene
+from shared.schema.scene import Scene
 from solid_solver.bodies import LatticeBody
 from solid_solver.energies import WorkBook
 from solid_solver.interface import describe, kinematics_over_window

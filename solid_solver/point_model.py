@@ -12,7 +12,7 @@ from collections.abc import Mapping
 import numpy as np
 
 from shared.contract import Description, Exchange, Frame, Kinematics, Loads
-from shared.schema import Scene
+from shared.schema.scene import Scene
 from solid_solver.filled import filled_bodies
 from solid_solver.interface import describe, kinematics_over_window
 from solid_solver.probes import body_probes, largest_speed

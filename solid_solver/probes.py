@@ -8,7 +8,7 @@ from functools import partial
 import numpy as np
 from scipy.spatial import cKDTree
 
-from shared.schema import Scene
+from shared.schema.scene import Scene
 from solid_solver.bodies import LatticeBody
 
 _REACH = 2.6  # spacings: particles about a point that its stress is fitted to

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from shared.motion_table import MotionTable
+from shared.geometry.motion_table import MotionTable
 from solid_solver.point_model import PointModel
 from solid_solver.rigid_points import lattice_momenta, moved
 

@@ -15,10 +15,10 @@ import math
 
 import numpy as np
 
-from shared.geometry import faces
+from shared.geometry.regions import faces
+from shared.geometry.segments import lengths
 from shared.jit import njit
-from shared.schema import Scene
-from shared.segments import lengths
+from shared.schema.scene import Scene
 from solid_solver.filled import FilledBody
 from solid_solver.loads import Schedule, schedule
 

@@ -16,7 +16,7 @@ import numpy as np
 
 from shared.contract import SolverFailed
 from shared.jit import use_threads
-from shared.schema import Scene
+from shared.schema.scene import Scene
 from solid_solver.bodies import lattice_bodies
 from solid_solver.carried import Carried
 from solid_solver.damping import damped_kick

@@ -13,7 +13,7 @@ import numpy as np
 from shared.contract import SolverFailed
 from shared.elasticity import lame, plane_modulus, wave_speed
 from shared.jit import use_threads
-from shared.schema import Scene
+from shared.schema.scene import Scene
 from shared.solid_step import UPDATED_COURANT
 from solid_solver.carried import Carried
 from solid_solver.damping import damped_kick

@@ -9,7 +9,7 @@ import numpy as np
 
 from shared.elasticity import lame
 from shared.kernels import Kernel, kernel_named
-from shared.schema import Scene
+from shared.schema.scene import Scene
 from solid_solver import updated_linear, updated_quadratic
 from solid_solver.blocks import FAR, Storage
 from solid_solver.bodies import LatticeBody, lattice_bodies

@@ -26,10 +26,10 @@ import numpy as np
 from coupler.run import run_coupled
 from fluid_solver.models import make_model as make_fluid
 from shared.contract import ShearwaterError
-from shared.probes import read_probes
-from shared.scene import load_scene
+from shared.run.probes import read_probes
+from shared.run.statistics import relative_error, statistic
+from shared.scene.reading import load_scene
 from shared.solo import run_alone
-from shared.statistics import relative_error, statistic
 from solid_solver.models import make_model as make_solid
 from tests.benchmark_coupling_rows import OF_THE_PAPER, Row, rows
 from tests.benchmark_table import MISSED, RESULTS, bounds, read_table, verdict, write_table

@@ -21,8 +21,8 @@ ALONE = 0.016924
 class Row:
     """`statistic` of `probe` in a run of `case` with `sets`; `allowed`: largest relative error.
 
-    `statistic`: one of shared/statistics.py; "envelope": distance [m] from the published curves; "iterations": the most
-    of any window; "windows": how many the run took; "overhead": fraction of the wall time outside the two sides.
+    `statistic`: one of shared/run/statistics.py; "envelope": distance [m] from the published curves; "iterations": the
+    most of any window; "windows": how many the run took; "overhead": fraction of the wall time outside the two sides.
     `truth` may be the demand of another row: what that one found; None where `most`
     judges, or nothing. `printed`: what the method's authors print. `breaks`: the run must end by this failure.
     `cost`: core-seconds, roughly; the cheapest run first.

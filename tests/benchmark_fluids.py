@@ -22,9 +22,9 @@ from pathlib import Path
 from fluid_solver.machine import copy_rate, multiply_add_rate
 from fluid_solver.models import make_model
 from shared.contract import BadInput, ShearwaterError
-from shared.scene import load_scene
+from shared.run.statistics import relative_error
+from shared.scene.reading import load_scene
 from shared.solo import run_alone
-from shared.statistics import relative_error
 from tests.benchmark_fluids_costs import measures
 from tests.benchmark_fluids_measures import Found
 from tests.benchmark_fluids_models import draw, model_rows

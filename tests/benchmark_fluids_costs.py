@@ -12,7 +12,7 @@ from functools import cache, partial
 
 from fluid_solver.bench import run_benchmark
 from fluid_solver.models import make_model
-from shared.scene import load_scene
+from shared.scene.reading import load_scene
 from tests.benchmark_table import Measure
 
 PARTICLES = 180_000

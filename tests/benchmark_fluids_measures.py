@@ -11,10 +11,10 @@ import numpy as np
 from scipy.spatial import cKDTree
 
 from shared.expected_speed import sound_speed
-from shared.probes import read_probes
-from shared.schema import Scene
-from shared.statistics import statistic
-from shared.vtkhdf import read_frame
+from shared.run.probes import read_probes
+from shared.run.statistics import statistic
+from shared.run.vtkhdf import read_frame
+from shared.schema.scene import Scene
 
 NEIGHBOURS = 12  # nearest particles through whose pressures a plane is laid
 INSIDE = (

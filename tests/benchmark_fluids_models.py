@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 
-from shared.drawing import FONT_PT, axes_at, new_figure, save
+from shared.run.drawing import FONT_PT, axes_at, new_figure, save
 from tests.benchmark_fluids_measures import Found, cost, disorder, pressure_noise
 from tests.benchmark_fluids_rows import Job, Row, job
 from tests.benchmark_table import RESULTS

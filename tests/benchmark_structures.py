@@ -22,11 +22,11 @@ import numpy as np
 from shared.commands import default_threads
 from shared.contract import ShearwaterError
 from shared.elasticity import wave_speed
-from shared.probes import read_probes
-from shared.regions import own_size
-from shared.scene import load_scene
+from shared.geometry.regions import own_size
+from shared.run.probes import read_probes
+from shared.run.statistics import relative_error, statistic
+from shared.scene.reading import load_scene
 from shared.solo import run_alone
-from shared.statistics import relative_error, statistic
 from solid_solver.models import make_model
 from tests.benchmark_structures_measures import measures
 from tests.benchmark_structures_rows import ACROSS, STATIC_SPEEDS, Row, rows

@@ -6,7 +6,7 @@ import time
 from functools import partial
 
 from shared.commands import default_threads
-from shared.scene import load_scene
+from shared.scene.reading import load_scene
 from solid_solver.bench import run_benchmark
 from solid_solver.models import make_model
 from tests.benchmark_table import Measure

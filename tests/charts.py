@@ -5,7 +5,7 @@ from __future__ import annotations
 import time
 from pathlib import Path
 
-from shared.scene import shipped_cases
+from shared.scene.reading import shipped_cases
 
 
 def loaded_beam(folder: Path, study: str) -> str:

@@ -20,9 +20,9 @@ from shared.contract import Model
 from shared.face_loads import FaceLoads
 from shared.link import InProcessLink
 from shared.participant import Participant, own_faces
-from shared.scene import load_scene
-from shared.schema import Scene
-from shared.schema_coupling import Coupling
+from shared.scene.reading import load_scene
+from shared.schema.coupling import Coupling
+from shared.schema.scene import Scene
 from shared.service import Service
 from solid_solver.models import make_model as make_solid
 

@@ -6,7 +6,7 @@ import numpy as np
 
 from fluid_solver.models import make_model
 from shared.contract import Kinematics
-from shared.schema import Scene
+from shared.schema.scene import Scene
 
 G = 9.81
 

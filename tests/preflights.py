@@ -6,7 +6,7 @@ from coupler.preflight.error import error_bound
 from coupler.preflight.finding import Finding
 from coupler.preflight.numbers import scene_numbers
 from coupler.preflight.rules import findings
-from shared.schema import Scene
+from shared.schema.scene import Scene
 
 
 def bound_of(scene: Scene) -> float | None:

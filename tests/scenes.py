@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Sequence
 from pathlib import Path
 
-from shared.scene import load_scene
-from shared.schema import Scene
+from shared.scene.reading import load_scene
+from shared.schema.scene import Scene
 
 TINY_COUPLED = """\
 schema = 1

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 
-from shared.schema import Scene
+from shared.schema.scene import Scene
 
 
 def solid_scene(*, gravity=(0.0, 0.0), probes=(), end_time=1.0, **solid) -> Scene:

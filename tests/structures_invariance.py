@@ -6,8 +6,8 @@ import math
 
 import numpy as np
 
-from shared.scene import load_scene
-from shared.schema import Scene
+from shared.scene.reading import load_scene
+from shared.schema.scene import Scene
 from solid_solver.models import make_model
 from solid_solver.updated_fields import E0, E1, U, V, X, Y
 from tests.updated_models import jittered

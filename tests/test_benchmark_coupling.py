@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from shared.scene import load_scene
+from shared.scene.reading import load_scene
 from tests.benchmark_coupling import ENVELOPE, beyond_envelope
 from tests.benchmark_coupling_rows import rows
 

@@ -6,10 +6,11 @@ import re
 import numpy as np
 import pytest
 
-from shared.curves import read_curve
-from shared.geometry import fill
-from shared.scene import load_scene, scene_warnings, shipped_cases
-from shared.scene_reference import MARKER, reference_file, render
+from shared.geometry.particles import fill
+from shared.run.curves import read_curve
+from shared.scene.reading import load_scene, shipped_cases
+from shared.scene.reference import MARKER, reference_file, render
+from shared.scene.warnings import scene_warnings
 
 CASES = (
     "cantilever_gravity",
@@ -63,7 +64,7 @@ def test_the_resolutions_named_in_a_description_load(name):
 
 def test_scene_reference_is_current():
     text = reference_file().read_text(encoding="utf-8")
-    assert render(text) == text, "run python -m shared.scene_reference"
+    assert render(text) == text, "run python -m shared.scene.reference"
 
 
 def test_worked_scene_of_the_reference_loads(tmp_path):

@@ -14,7 +14,7 @@ from coupler.chart.study import make_chart, pareto, slopes
 from coupler.chart.truth import spread
 from coupler.chart.variants import study_variants
 from shared.contract import BadInput
-from shared.scene import shipped_cases
+from shared.scene.reading import shipped_cases
 from tests.charts import loaded_beam
 
 

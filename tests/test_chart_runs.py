@@ -14,10 +14,10 @@ import pytest
 from coupler.chart.outcome import kept, missing, of_other_code, without_result
 from coupler.chart.runs import _clear, claimed, run_variants
 from coupler.chart.variants import study_variants
-from shared.checkpoint import claim, newest
 from shared.contract import BadInput, ParticipantLost, SolverFailed
-from shared.record import _status
-from shared.results import environment
+from shared.run.checkpoint import claim, newest
+from shared.run.record import _status
+from shared.run.results import environment
 from tests.charts import loaded_beam, wait_until
 
 pytestmark = pytest.mark.timeout(180)

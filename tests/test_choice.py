@@ -13,7 +13,7 @@ from coupler.window import Plan
 from fluid_solver.models import make_model as make_fluid
 from shared.clock import Clock
 from shared.contract import Kinematics, Loads
-from shared.schema_coupling import Coupling, Limits
+from shared.schema.coupling import Coupling, Limits
 from solid_solver.models import make_model as make_solid
 from tests.coupled_models import couple, join, march, piston
 

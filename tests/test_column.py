@@ -11,7 +11,7 @@ from coupler.run import run_coupled
 from fluid_solver.delay_line import DelayLine
 from fluid_solver.models import make_model
 from shared.contract import BadInput, Kinematics
-from shared.scene import load_scene
+from shared.scene.reading import load_scene
 from tests.coupled_models import couple, piston
 from tests.scenes import SPRUNG, scene_of
 

@@ -10,7 +10,7 @@ import sys
 import numpy as np
 import pytest
 
-from shared.vtkhdf import read_frame
+from shared.run.vtkhdf import read_frame
 from tests.scenes import tiny_coupled
 
 pytestmark = pytest.mark.timeout(240)

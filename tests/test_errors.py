@@ -18,7 +18,7 @@ import pytest
 import shared.commands
 import shared.solo
 from coupler.report import write_report
-from shared.results import read_result
+from shared.run.results import read_result
 from tests.scenes import tiny_coupled
 
 PROGRAMS = ("coupler", "fluid_solver", "solid_solver")

@@ -12,8 +12,9 @@ from coupler.run import check_pressures
 from fluid_solver.models import make_model as make_fluid
 from shared.contract import BadInput, Description, Kinematics
 from shared.face_loads import FaceLoads
-from shared.geometry import area, fill
-from shared.scene import load_scene
+from shared.geometry.particles import fill
+from shared.geometry.regions import area
+from shared.scene.reading import load_scene
 from tests.coupled_models import couple
 
 WEIGHTLESS = ["gravity=[0.0, 0.0]", "fluid.sound_speed=60.0"]

@@ -17,7 +17,7 @@ import pytest
 from coupler.run import run_coupled
 from fluid_solver.models import make_model as make_fluid
 from shared.contract import BadInput, ShearwaterError
-from shared.scene import load_scene, shipped_cases
+from shared.scene.reading import load_scene, shipped_cases
 from shared.solo import run_alone
 from solid_solver.models import make_model as make_solid
 from tests.preflights import verdicts_of

@@ -13,9 +13,9 @@ from pathlib import Path
 import pytest
 
 import shared.awake
-from shared.checkpoint import newest
 from shared.contract import ParticipantLost
-from shared.vtkhdf import read_frame
+from shared.run.checkpoint import newest
+from shared.run.vtkhdf import read_frame
 from tests.scenes import tiny_coupled
 
 START_WITHIN_S = 100.0  # a first run compiles

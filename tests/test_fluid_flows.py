@@ -9,8 +9,8 @@ from fluid_solver.initial import fluid_particles
 from fluid_solver.models import make_model
 from shared.contract import BadInput, Kinematics
 from shared.kernels import kernel_named
-from shared.scene import load_scene
-from shared.statistics import statistic
+from shared.run.statistics import statistic
+from shared.scene.reading import load_scene
 from tests.fluid_models import begun, fluid_rows, run, scene, tank
 
 

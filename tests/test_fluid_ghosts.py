@@ -11,7 +11,7 @@ from fluid_solver.models import make_model
 from fluid_solver.motion import GhostMotion, WallMotion, structure_pose
 from fluid_solver.wall_forces import WallForces
 from shared.contract import Kinematics
-from shared.schema_geometry import Motion
+from shared.schema.geometry import Motion
 from tests.fluid_models import G, begun, fluid_rows, run, scene, tank
 
 

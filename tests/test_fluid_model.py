@@ -8,8 +8,8 @@ from fluid_solver.fields import AX, AY, FLUID, RHO, M, P, U, V, X, Y
 from fluid_solver.gather import next_stretch
 from fluid_solver.models import make_model
 from shared.contract import Kinematics, SolverFailed
-from shared.schema import Scene
-from shared.schema_geometry import Domain
+from shared.schema.geometry import Domain
+from shared.schema.scene import Scene
 from tests.fluid_models import G, begun, dam, everything, fluid_rows, run, scene, tank
 
 

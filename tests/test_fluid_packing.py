@@ -8,7 +8,7 @@ from fluid_solver import initial
 from fluid_solver.ghosts import lay_ghosts
 from fluid_solver.initial import boundary_faces, fluid_particles
 from fluid_solver.packing import CLEAR, cutting
-from shared.geometry import distance_to
+from shared.geometry.regions import distance_to
 from shared.kernels import kernel_named
 from tests.fluid_models import begun, run, scene
 

@@ -5,7 +5,7 @@ import pytest
 
 from fluid_solver.fields import AX, AY, FLUID, M, P, U, V, X, Y
 from shared.contract import SolverFailed
-from shared.schema import Scene
+from shared.schema.scene import Scene
 from tests.fluid_models import begun, everything, fluid_rows, run
 
 

@@ -10,10 +10,10 @@ from fluid_solver.fields import U, V
 from fluid_solver.models import make_model
 from fluid_solver.parameters import gradient_factor
 from shared.fluid_step import BORNE, COURANT, FORCE_STEP, LARGEST_COURANT, VISCOUS_STEP, fluid_step
+from shared.geometry.motion_table import largest_speed
 from shared.kernels import evaluate, kernel_named
-from shared.motion_table import largest_speed
-from shared.schema import Scene
-from shared.schema_geometry import Motion
+from shared.schema.geometry import Motion
+from shared.schema.scene import Scene
 from tests.fluid_models import begun, dam, fluid_rows, run
 from tests.test_fluid_periodic import box
 

@@ -9,8 +9,8 @@ import numpy as np
 import pytest
 
 from fluid_solver.models import make_model
+from shared.run.vtkhdf import read_frame
 from shared.solo import run_alone
-from shared.vtkhdf import read_frame
 from tests.scenes import scene_of
 
 pytestmark = pytest.mark.timeout(240)  # the first run compiles

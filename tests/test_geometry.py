@@ -5,9 +5,10 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from shared.geometry import area, contains, distance_to, faces, fill, ghosts, outline, wall_particles
-from shared.schema_fluid import Wall
-from shared.schema_geometry import Shape
+from shared.geometry.particles import fill, ghosts, wall_particles
+from shared.geometry.regions import area, contains, distance_to, faces, outline
+from shared.schema.fluid import Wall
+from shared.schema.geometry import Shape
 
 PLATE = Shape(rectangle=(0.0, 0.0, 0.2, 0.012))
 

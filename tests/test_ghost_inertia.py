@@ -6,8 +6,8 @@ import pytest
 
 from coupler.stability.theory import PREDICTION, Y, lagged_wall, largest_stable
 from shared.ghost_inertia import ghost_inertia, ghosts_feel_acceleration, largest_inertia
-from shared.scene import load_scene
-from shared.schema_coupling import Coupling
+from shared.scene.reading import load_scene
+from shared.schema.coupling import Coupling
 
 
 @pytest.mark.parametrize(

@@ -135,7 +135,7 @@ def test_each_rule_is_enforced(name, source):
     ("name", "source"),
     [
         ("shared.link_zenoh", "import zenoh"),
-        ("shared.scene", "from importlib.resources import files\nfiles('cases')"),
+        ("shared.scene.reading", "from importlib.resources import files\nfiles('cases')"),
         ("coupler.supervisor", "command = ['python', '-m', 'fluid_solver']"),
         ("coupler.inprocess", "import importlib\nimportlib.import_module(name)"),
         ("fluid_solver.walls", "from fluid_solver.fields import X\nfrom shared import jit\nimport numpy"),

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from coupler.ledger import Ledger, LedgerExceeded
-from shared.scene import load_scene
+from shared.scene.reading import load_scene
 from tests.coupled_models import couple
 
 pytestmark = pytest.mark.timeout(400)

@@ -18,7 +18,7 @@ from shared.clock import Clock
 from shared.link_serve import serve
 from shared.link_zenoh import ZenohLink, listening
 from shared.participant import Participant
-from shared.schema_coupling import Coupling
+from shared.schema.coupling import Coupling
 from shared.service import Service
 
 WINDOWS = 3

@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
-from shared.motion_table import MotionTable
-from shared.schema_geometry import Motion
+from shared.geometry.motion_table import MotionTable
+from shared.schema.geometry import Motion
 
 
 def sampled(times, x, order):

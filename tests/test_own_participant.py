@@ -12,9 +12,9 @@ import coupler.run
 from coupler.cli import parse_programs
 from coupler.run import resume_coupled, run_coupled
 from shared.contract import BadInput, ParticipantLost
-from shared.probes import ProbeTable, probe_units
-from shared.resume import unfinished
-from shared.scene import load_scene
+from shared.run.probes import ProbeTable, probe_units
+from shared.run.resume import unfinished
+from shared.scene.reading import load_scene
 from tests.test_resume import OFTEN, ONE, cut_short, same_output
 
 SPRING = [sys.executable, str(files("cases") / "participant" / "spring.py")]

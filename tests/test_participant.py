@@ -5,10 +5,10 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from shared.checkpoint import write_state
 from shared.clock import Clock
 from shared.contract import BadInput, Loads, OutOfOrder, SolverFailed, exchange_fields
 from shared.participant import Participant
+from shared.run.checkpoint import write_state
 from shared.service import Service
 from shared.wire import Message, decode, encode
 

@@ -8,12 +8,12 @@ import pytest
 from PIL import Image
 
 from shared.contract import BadInput, Frame
-from shared.drawing import si_scale
-from shared.pictures import draw_last_frame, draw_pictures
-from shared.probe_plots import draw_probes
-from shared.probes import ProbeTable
-from shared.schema import Scene
-from shared.vtkhdf import FrameWriter
+from shared.run.drawing import si_scale
+from shared.run.pictures import draw_last_frame, draw_pictures
+from shared.run.probe_plots import draw_probes
+from shared.run.probes import ProbeTable
+from shared.run.vtkhdf import FrameWriter
+from shared.schema.scene import Scene
 
 DX = 0.01
 
@@ -207,5 +207,5 @@ def test_si_prefixes():
 
 def test_drawing_leaves_no_global_state():
     """pyplot would keep figures alive and pick a window system."""
-    code = "import sys, shared.pictures; sys.exit('matplotlib.pyplot' in sys.modules)"
+    code = "import sys, shared.run.pictures; sys.exit('matplotlib.pyplot' in sys.modules)"
     assert subprocess.run([sys.executable, "-c", code], timeout=60).returncode == 0

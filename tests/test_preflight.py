@@ -7,7 +7,7 @@ import pytest
 from coupler.preflight.numbers import scene_numbers
 from coupler.preflight.rules import RULES
 from fluid_solver.models import make_model as make_fluid
-from shared.scene import load_scene, shipped_cases
+from shared.scene.reading import load_scene, shipped_cases
 from solid_solver.models import make_model as make_solid
 from tests.preflights import verdicts_of
 

@@ -8,7 +8,7 @@ from functools import partial
 
 import pytest
 
-from shared.scene import load_scene
+from shared.scene.reading import load_scene
 from tests.scenes import tiny_coupled
 
 

@@ -13,9 +13,9 @@ from fluid_solver.models import make_model
 from shared.commands import conclude
 from shared.contract import BadInput, Kinematics
 from shared.expected_speed import sound_speed, viscous_speed
-from shared.probes import ProbeTable, probe_units
-from shared.results import make_result
-from shared.scene import scene_warnings
+from shared.run.probes import ProbeTable, probe_units
+from shared.run.results import make_result
+from shared.scene.warnings import scene_warnings
 from tests.preflights import bound_of, verdicts_of
 from tests.scenes import SPRUNG, scene_of
 

@@ -12,8 +12,8 @@ from coupler.preflight.cost import predicted_cost
 from coupler.preflight.ladder import ladder, smallest
 from coupler.preflight.numbers import scene_numbers
 from coupler.preflight.table import near_miss_line
-from shared.scene import load_scene
-from shared.schema_fluid import Fluid
+from shared.scene.reading import load_scene
+from shared.schema.fluid import Fluid
 from tests.preflights import bound_of, said_of, verdicts_of
 
 RESTING = {"still", "column"} & set(get_args(Fluid.model_fields["model"].annotation))

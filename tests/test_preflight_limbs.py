@@ -8,10 +8,10 @@ import pytest
 from coupler.preflight.error_solid import of_structure
 from coupler.preflight.numbers import scene_numbers
 from coupler.preflight.rules import findings
-from shared.geometry import fill
-from shared.limbs import bearing, limbs
-from shared.scene import load_scene
-from shared.schema_solid import SolidBody
+from shared.geometry.limbs import bearing, limbs
+from shared.geometry.particles import fill
+from shared.scene.reading import load_scene
+from shared.schema.solid import SolidBody
 from solid_solver.interface import thickness
 
 FRAMES = {

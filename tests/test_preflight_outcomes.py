@@ -10,7 +10,7 @@ import sys
 import pytest
 
 from coupler.preflight.check import preflight
-from shared.scene import load_scene
+from shared.scene.reading import load_scene
 
 WALL = """\
 schema = 1

@@ -17,9 +17,10 @@ from coupler.preflight.window import expected_plan
 from coupler.window import make_plan, mass_ratio
 from fluid_solver.models import make_model as make_fluid
 from shared.contract import BadInput
-from shared.scene import load_scene, scene_warnings
-from shared.schema_fluid import FluidBody
-from shared.schema_geometry import Body
+from shared.scene.reading import load_scene
+from shared.scene.warnings import scene_warnings
+from shared.schema.fluid import FluidBody
+from shared.schema.geometry import Body
 from solid_solver.models import make_model as make_solid
 from tests.preflights import bound_of, said_of
 from tests.scenes import scene_of

@@ -8,8 +8,8 @@ import pytest
 
 from coupler.preflight.ladder import ladder
 from shared.expected_speed import driven_speed, sound_speed
-from shared.motion_table import largest_speed
-from shared.shakers import shakers
+from shared.geometry.motion_table import largest_speed
+from shared.geometry.shakers import shakers
 from tests.preflights import bound_of, said_of, verdicts_of
 from tests.scenes import scene_of
 

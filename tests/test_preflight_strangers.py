@@ -10,8 +10,8 @@ import pytest
 from coupler.preflight.check import preflight
 from coupler.preflight.error import error_parts
 from coupler.preflight.numbers import scene_numbers
-from shared.plain import plain
-from shared.scene import load_scene
+from shared.run.plain import plain
+from shared.scene.reading import load_scene
 from tests.scenes import SPRUNG, scene_of
 
 HEAD = """\

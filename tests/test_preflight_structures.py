@@ -11,7 +11,7 @@ from coupler.preflight.error_solid import of_structure
 from coupler.preflight.ladder import ladder, smallest
 from coupler.preflight.numbers import scene_numbers
 from coupler.preflight.rules import findings
-from shared.scene import load_scene
+from shared.scene.reading import load_scene
 from shared.solid_step import LATTICE_SHARE, lattice_step
 from shared.solo import run_alone
 from solid_solver.models import make_model

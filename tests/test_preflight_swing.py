@@ -14,7 +14,7 @@ from coupler.preflight.error import error_bound
 from coupler.preflight.ladder import ladder
 from coupler.preflight.numbers import scene_numbers
 from coupler.preflight.swing import radiates, swing
-from shared.scene import load_scene
+from shared.scene.reading import load_scene
 from tests.preflights import bound_of
 from tests.scenes import scene_of
 

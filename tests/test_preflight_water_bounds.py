@@ -12,7 +12,7 @@ from coupler.preflight.ladder import ladder, smallest
 from coupler.preflight.numbers import scene_numbers
 from coupler.preflight.rules import findings
 from coupler.preflight.water import measure_water
-from shared.scene import load_scene
+from shared.scene.reading import load_scene
 from tests.preflights import bound_of
 from tests.scenes import scene_of
 from tests.test_preflight_fluids import TANK

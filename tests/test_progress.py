@@ -4,8 +4,8 @@ import io
 
 import pytest
 
-from shared import progress
-from shared.progress import Progress
+from shared.run import progress
+from shared.run.progress import Progress
 
 
 @pytest.fixture

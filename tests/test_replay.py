@@ -12,9 +12,9 @@ import fluid_solver.models
 import solid_solver.models
 from coupler.run import resume_coupled, run_coupled
 from shared.contract import BadInput, ParticipantLost
-from shared.recording import Recorder, messages, recording_of
-from shared.resume import unfinished
-from shared.scene import load_scene
+from shared.run.recording import Recorder, messages, recording_of
+from shared.run.resume import unfinished
+from shared.scene.reading import load_scene
 from shared.solo import replay_alone
 from tests.scenes import tiny_coupled
 from tests.test_resume import ONE, cut_short, same_frames

@@ -10,9 +10,9 @@ import sys
 import pytest
 
 from coupler.report import write_report
-from shared.checkpoint import Checkpoints, claim
 from shared.contract import BadInput
-from shared.probes import read_probes
+from shared.run.checkpoint import Checkpoints, claim
+from shared.run.probes import read_probes
 
 
 def run(*words):

@@ -18,11 +18,11 @@ from coupler.preflight.check import preflight
 from coupler.run import run_coupled
 from shared.commands import conclude
 from shared.contract import BadInput, ShearwaterError
-from shared.probes import ProbeTable, compare, probe_units, read_probes
-from shared.record import Record
-from shared.results import environment, make_result, new_run_directory, read_result, write_result
-from shared.scene import load_scene
-from shared.schema import Scene
+from shared.run.probes import ProbeTable, compare, probe_units, read_probes
+from shared.run.record import Record
+from shared.run.results import environment, make_result, new_run_directory, read_result, write_result
+from shared.scene.reading import load_scene
+from shared.schema.scene import Scene
 
 OMEGA = 2.0 * math.pi * 30.25  # first frequency of the beam under a uniform load [rad/s]
 STATIC = 5.986e-5  # its static deflection [m]
@@ -335,7 +335,7 @@ def test_environment_names_what_a_result_depends_on():
 
 GROW = """
 import numpy
-from shared.results import peak_mib
+from shared.run.results import peak_mib
 before = peak_mib()
 held = numpy.ones(200 << 17)
 print(peak_mib() - before)

@@ -18,12 +18,12 @@ import shared.solo
 from coupler.report import write_report
 from coupler.run import resume_coupled, run_coupled
 from fluid_solver.models import make_model
-from shared.checkpoint import Checkpoints, claim, newest, read_state, write_state
 from shared.contract import BadInput, ShearwaterError
-from shared.resume import unfinished
-from shared.scene import load_scene
+from shared.run.checkpoint import Checkpoints, claim, newest, read_state, write_state
+from shared.run.resume import unfinished
+from shared.run.vtkhdf import FrameWriter, read_frame
+from shared.scene.reading import load_scene
 from shared.solo import resume_alone, run_alone
-from shared.vtkhdf import FrameWriter, read_frame
 from tests.scenes import tiny_coupled
 
 ONE = {"fluid": 1, "solid": 1}
@@ -250,7 +250,7 @@ def test_what_cannot_go_on(tmp_path, monkeypatch):
     (tmp_path / "run" / "result.json").unlink()
     with pytest.raises(BadInput, match="no complete checkpoint"):
         unfinished(tmp_path / "run")
-    monkeypatch.setattr("shared.checkpoint._PATIENCE_S", 0.2)
+    monkeypatch.setattr("shared.run.checkpoint._PATIENCE_S", 0.2)
     with claim(tmp_path / "run"), pytest.raises(BadInput, match="still going on"):
         claim(tmp_path / "run")
 
@@ -380,6 +380,6 @@ def test_a_table_cut_short_is_gone_on_with_from_an_older_checkpoint(cut, capsys,
 
 def test_other_sources_differ_in_more_than_the_last_bits(cut, capsys, monkeypatch):
     (cut / "result.json").write_text("[]")
-    monkeypatch.setattr("shared.results._sources", lambda: "other")
+    monkeypatch.setattr("shared.run.results._sources", lambda: "other")
     unfinished(cut)
     assert "warning: results may differ: sources " in capsys.readouterr().err

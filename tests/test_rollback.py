@@ -10,7 +10,7 @@ from fluid_solver.models import make_model as make_fluid
 from shared.clock import Clock
 from shared.contract import Kinematics, Loads, OutOfOrder, exchange_fields
 from shared.participant import Participant
-from shared.scene import load_scene
+from shared.scene.reading import load_scene
 from solid_solver.models import MODELS as SOLIDS
 from solid_solver.models import make_model as make_solid
 from tests.scenes import tiny_coupled

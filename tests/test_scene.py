@@ -9,9 +9,10 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from shared.contract import BadInput
-from shared.curves import read_curve
-from shared.scene import dump_scene, load_scene, scene_warnings, shipped_cases
-from shared.schema import Scene
+from shared.run.curves import read_curve
+from shared.scene.reading import dump_scene, load_scene, shipped_cases
+from shared.scene.warnings import scene_warnings
+from shared.schema.scene import Scene
 
 GOOD = """
 schema = 1

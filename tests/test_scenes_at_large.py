@@ -11,10 +11,10 @@ import pytest
 from coupler.run import run_coupled
 from fluid_solver.models import make_model
 from shared.contract import ShearwaterError
-from shared.geometry import fill
-from shared.schema_geometry import Domain
+from shared.geometry.particles import fill
+from shared.run.vtkhdf import read_frame
+from shared.schema.geometry import Domain
 from shared.solo import run_alone
-from shared.vtkhdf import read_frame
 from tests.scenes import scene_of
 
 pytestmark = pytest.mark.timeout(240)  # the first run compiles

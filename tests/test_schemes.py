@@ -12,7 +12,7 @@ from coupler.prediction import Predictor
 from coupler.vectors import Measure
 from shared.clock import Clock
 from shared.contract import Loads, SolverFailed
-from shared.schema_coupling import Coupling, Limits
+from shared.schema.coupling import Coupling, Limits
 from tests.coupled_models import couple_models
 
 

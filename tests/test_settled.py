@@ -5,8 +5,9 @@ from __future__ import annotations
 import numpy as np
 
 from fluid_solver.settled import LIGHTEST, settle
-from shared.geometry import fill, outline
-from shared.schema_geometry import Body
+from shared.geometry.particles import fill
+from shared.geometry.regions import outline
+from shared.schema.geometry import Body
 
 G, C0, RHO0, DX = 9.81, 15.0, 1000.0, 5e-3
 TANK, BLOCK = (0.0, 0.0, 0.4, 0.3), (0.14, 0.12, 0.26, 0.17)

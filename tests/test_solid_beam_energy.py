@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from shared.contract import Loads
-from shared.schema_probes import Probe
+from shared.schema.probes import Probe
 from solid_solver.beam_element import DISSIPATION, strains
 from solid_solver.models import make_model
 from tests.beam_models import beam, cantilever, oscillating_plate

@@ -10,8 +10,9 @@ import numpy as np
 import pytest
 
 from shared.contract import BadInput, Loads, SolverFailed
-from shared.geometry import fill
-from shared.scene import load_scene, scene_warnings
+from shared.geometry.particles import fill
+from shared.scene.reading import load_scene
+from shared.scene.warnings import scene_warnings
 from tests.beam_models import WATER, cantilever, history, plate_b
 from tests.scenes import scene_of, tiny_coupled
 from tests.solid_scenes import run

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from shared.contract import BadInput
-from shared.scene import load_scene
+from shared.scene.reading import load_scene
 from solid_solver.bodies import lattice_bodies
 from solid_solver.following import following_load
 from solid_solver.models import make_model

@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
-from shared.scene import load_scene
-from shared.statistics import statistic
+from shared.run.statistics import statistic
+from shared.scene.reading import load_scene
 from solid_solver.models import make_model
 from tests.solid_scenes import run
 from tests.structures_invariance import VIEWS, changed_answer

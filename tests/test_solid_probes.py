@@ -6,9 +6,10 @@ import numpy as np
 import pytest
 
 from shared.contract import BadInput
-from shared.scene import load_scene, scene_warnings
-from shared.schema_solid import Load
-from shared.statistics import statistic
+from shared.run.statistics import statistic
+from shared.scene.reading import load_scene
+from shared.scene.warnings import scene_warnings
+from shared.schema.solid import Load
 from solid_solver.bodies import lattice_bodies
 from solid_solver.following import following_load
 from solid_solver.initial import cantilever_mode, cantilever_root, start_velocity

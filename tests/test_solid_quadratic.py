@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from shared.kernels import WENDLAND_C2, kernel_w
-from shared.scene import load_scene
+from shared.scene.reading import load_scene
 from solid_solver import updated_lagrangian
 from solid_solver.models import make_model
 from solid_solver.updated_fields import AX, AY, G00, G11, OWN, RHO, SXX, U, X, Y

@@ -10,7 +10,8 @@ import numpy as np
 import pytest
 
 from shared.contract import BadInput, Loads
-from shared.scene import dump_scene, load_scene, scene_warnings
+from shared.scene.reading import dump_scene, load_scene
+from shared.scene.warnings import scene_warnings
 from tests.rigid_models import CENTRE_Y, CORNER_X, model_of
 from tests.scenes import tiny_coupled
 from tests.solid_scenes import run

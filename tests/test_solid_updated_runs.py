@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from shared.contract import SolverFailed
-from shared.scene import load_scene
+from shared.scene.reading import load_scene
 from solid_solver import updated_lagrangian
 from solid_solver.models import make_model
 from solid_solver.updated_fields import E0, E1, RHO, U, V, X, Y

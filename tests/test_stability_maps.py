@@ -28,7 +28,7 @@ from coupler.stability.theory import (
 )
 from shared.contract import BadInput
 from shared.kernels import kernel_named
-from shared.scene import load_scene
+from shared.scene.reading import load_scene
 
 LIMITS = {
     ("absorbing", "serial"): (2.0, 2.0 / math.sqrt(3.0), 0.709),

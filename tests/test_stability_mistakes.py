@@ -18,7 +18,7 @@ from coupler.stability.reference import reference_file, renewed
 from coupler.stability.runs import DIED_OUT, FAILED, growth_of, measure, rise_of
 from coupler.stability.theory import THEORIES
 from shared.contract import BadInput, SolverFailed
-from shared.scene import load_scene
+from shared.scene.reading import load_scene
 
 MAP = """
 schema = 1

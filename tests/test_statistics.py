@@ -7,7 +7,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from shared.statistics import relative_error, statistic
+from shared.run.statistics import relative_error, statistic
 
 
 def test_mean_is_weighted_by_time_not_by_rows():

@@ -9,14 +9,14 @@ from types import SimpleNamespace
 
 import pytest
 
-import shared.pictures
-import shared.record
-from shared.checkpoint import Checkpoints
+import shared.run.pictures
+import shared.run.record
 from shared.contract import ShearwaterError
-from shared.record import Record
-from shared.results import read_result, write_result
-from shared.resume import unfinished
-from shared.scene import load_scene
+from shared.run.checkpoint import Checkpoints
+from shared.run.record import Record
+from shared.run.results import read_result, write_result
+from shared.run.resume import unfinished
+from shared.scene.reading import load_scene
 from shared.stopping import STOP, ask_once_more, stopping_between_windows
 from shared.unwritable import cannot_write
 
@@ -26,8 +26,8 @@ def test_what_a_run_has_is_written_down_however_often_it_is_asked_to_stop(tmp_pa
         STOP.ask()
         return write_result(run_dir, result)
 
-    monkeypatch.setattr(shared.record, "write_result", asked_meanwhile)
-    monkeypatch.setattr(shared.pictures, "draw_pictures", lambda *_: [])
+    monkeypatch.setattr(shared.run.record, "write_result", asked_meanwhile)
+    monkeypatch.setattr(shared.run.pictures, "draw_pictures", lambda *_: [])
     with pytest.raises(KeyboardInterrupt), Record(tmp_path, load_scene("piston"), "piston", {}, True):
         raise KeyboardInterrupt
     STOP.ask()  # on its way out
@@ -40,7 +40,7 @@ def test_what_a_run_has_is_written_down_however_often_it_is_asked_to_stop(tmp_pa
 
 def test_a_scene_that_another_program_took_stands_again(tmp_path, monkeypatch, capsys):
     """It was gone without a word, and the command that goes on, named at the end, was refused."""
-    monkeypatch.setattr(shared.pictures, "draw_pictures", lambda *_: [])
+    monkeypatch.setattr(shared.run.pictures, "draw_pictures", lambda *_: [])
 
     def run():
         with Record(tmp_path, load_scene("piston"), "piston", {"solid": 1}, True) as record:
@@ -81,7 +81,7 @@ def test_a_full_disk_is_told_of_with_the_way_on_whatever_cannot_be_written_besid
             if fault is not None:
                 raise fault
 
-    monkeypatch.setattr(shared.pictures, "draw_pictures", no_picture)
+    monkeypatch.setattr(shared.run.pictures, "draw_pictures", no_picture)
     with pytest.raises(ShearwaterError, match="The file of frames"):
         run(tmp_path / "cut", cannot_write("The file of frames", tmp_path / "solid.vtkhdf", full))
     errors = capsys.readouterr().err

@@ -8,7 +8,7 @@ import sys
 
 import pytest
 
-from shared.results import read_result
+from shared.run.results import read_result
 from tests.scenes import tiny_coupled
 
 TALK = """

@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 
 from shared.contract import BadInput, Frame, ShearwaterError
-from shared.vtkhdf import FrameWriter, read_frame
+from shared.run.vtkhdf import FrameWriter, read_frame
 
 
 def cloud(count, seed):
@@ -138,7 +138,7 @@ def test_frame_cut_short_is_ignored_and_overwritten(tmp_path):
 WRITE_FOREVER = """
 import sys, numpy as np
 from shared.contract import Frame
-from shared.vtkhdf import FrameWriter
+from shared.run.vtkhdf import FrameWriter
 rng = np.random.default_rng(1)
 with FrameWriter(sys.argv[1]) as writer:
     for i in range(100000):

@@ -6,11 +6,12 @@ import numpy as np
 import pytest
 
 from shared.contract import BadInput
-from shared.geometry import distance_to, wall_particles
-from shared.scene import load_scene
-from shared.scene_warnings import scene_warnings
-from shared.schema_fluid import Wall
-from shared.wall_chains import chains, segments_of
+from shared.geometry.particles import wall_particles
+from shared.geometry.regions import distance_to
+from shared.geometry.wall_chains import chains, segments_of
+from shared.scene.reading import load_scene
+from shared.scene.warnings import scene_warnings
+from shared.schema.fluid import Wall
 from tests.fluid_models import scene
 
 DX, DEPTH = 0.04, 0.104

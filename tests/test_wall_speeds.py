@@ -5,9 +5,9 @@ import pytest
 
 from coupler.preflight.water import measure_water
 from shared.expected_speed import water_speed
-from shared.schema_fluid import Wall
-from shared.schema_geometry import Motion
-from shared.wall_speeds import lasting_faces, pushing_speed
+from shared.geometry.wall_speeds import lasting_faces, pushing_speed
+from shared.schema.fluid import Wall
+from shared.schema.geometry import Motion
 from tests.fluid_models import scene
 
 WATER = np.array([(0.0, 0.0), (0.2, 0.0), (0.2, 0.2), (0.0, 0.2)])

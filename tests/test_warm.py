@@ -9,7 +9,7 @@ import pytest
 
 from shared import warm
 from shared.contract import ShearwaterError
-from shared.scene import load_scene
+from shared.scene.reading import load_scene
 from shared.warm import fill_cache, stamp
 
 

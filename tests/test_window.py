@@ -11,7 +11,7 @@ import pytest
 from coupler.stability.theory import acoustic, growth
 from coupler.window import SPEED_UP, alpha_rate, make_plan, window_length
 from shared.contract import Description
-from shared.schema_coupling import Coupling
+from shared.schema.coupling import Coupling
 
 NOTHING = np.zeros((0, 2)), np.zeros(0), np.zeros(0, dtype=np.int64)
 

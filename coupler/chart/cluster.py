@@ -16,8 +16,8 @@ from coupler.chart.variants import Variant
 from coupler.chart.worker import RUN_FOLDER, run_variant
 from shared.commands import case_name
 from shared.contract import BadInput
-from shared.results import write_result
-from shared.scene import dump_scene
+from shared.run.results import write_result
+from shared.scene.reading import dump_scene
 
 if TYPE_CHECKING:
     from distributed import Client, Future

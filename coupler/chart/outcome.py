@@ -10,7 +10,7 @@ from typing import Any
 from coupler.chart.truth import charted_value
 from coupler.chart.variants import Variant
 from shared.contract import BadInput
-from shared.results import environment, read_result
+from shared.run.results import environment, read_result
 
 Result = dict[str, Any]
 

@@ -9,7 +9,7 @@ import numpy as np
 from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter
 
 from coupler.chart.study import Chart, Point
-from shared.drawing import FAINT, FONT_PT, INK, axes_at, new_figure, save
+from shared.run.drawing import FAINT, FONT_PT, INK, axes_at, new_figure, save
 
 _WIDTH_IN, _HEIGHT_IN = 7.8, 4.2
 _LEFT_IN, _BOTTOM_IN, _TOP_IN, _LEGEND_IN = 0.75, 0.55, 0.4, 2.6

@@ -21,12 +21,12 @@ from coupler.chart.outcome import Result, kept, told, without_result
 from coupler.chart.variants import Variant
 from coupler.guard import PATIENCE_S, end
 from coupler.supervisor import PACKAGES
-from shared.checkpoint import is_claimed, newest
 from shared.commands import case_name
 from shared.contract import BadInput
-from shared.results import write_result
-from shared.resume import other_environment
-from shared.schema import Scene
+from shared.run.checkpoint import is_claimed, newest
+from shared.run.results import write_result
+from shared.run.resume import other_environment
+from shared.schema.scene import Scene
 
 _LOOK_EVERY_S = 0.2
 _ENDING_S = 2.0 * PATIENCE_S  # the guard is patient first

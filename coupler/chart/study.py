@@ -23,9 +23,9 @@ from coupler.preflight.cost import Cost, calibrate, predicted_cost
 from coupler.preflight.error import error_bound
 from coupler.preflight.numbers import scene_numbers
 from shared.contract import BadInput
-from shared.results import output_folder
-from shared.schema import Scene
-from shared.statistics import relative_error
+from shared.run.results import output_folder
+from shared.run.statistics import relative_error
+from shared.schema.scene import Scene
 
 _LEAST_ERROR = 1e-6  # smaller ones are drawn here; no truth is known better
 

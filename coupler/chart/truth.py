@@ -7,10 +7,10 @@ from typing import Any
 
 from coupler.chart.variants import Variant
 from shared.contract import BadInput
-from shared.probes import goal_interval, goal_references, goal_value, read_probes, reference_curve
-from shared.schema import Scene
-from shared.schema_probes import Reference
-from shared.statistics import relative_error, statistic
+from shared.run.probes import goal_interval, goal_references, goal_value, read_probes, reference_curve
+from shared.run.statistics import relative_error, statistic
+from shared.schema.probes import Reference
+from shared.schema.scene import Scene
 
 
 def charted_value(variant: Variant, result: dict[str, Any], run_dir: Path) -> float | None:

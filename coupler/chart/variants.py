@@ -9,8 +9,8 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 from shared.contract import BadInput
-from shared.scene import computed, load_scene
-from shared.schema import Scene
+from shared.scene.reading import computed, load_scene
+from shared.schema.scene import Scene
 
 _SPACING = re.compile(r"^(fluid|solid)\.dx\s*=")
 _HASH_DIGITS = 8

@@ -8,10 +8,10 @@ import numpy as np
 
 from coupler.preflight.held import lengthwise
 from coupler.preflight.shapes import area, upward
-from shared.geometry import area_below, corners_of, outline
-from shared.schema import Scene
-from shared.schema_geometry import Body
-from shared.segments import right_of
+from shared.geometry.regions import area_below, corners_of, outline
+from shared.geometry.segments import right_of
+from shared.schema.geometry import Body
+from shared.schema.scene import Scene
 
 AFLOAT = 0.03  # weight of the water that a body's motion moves, over its springs' force
 _ROUNDING = 1e-6  # of a body's height

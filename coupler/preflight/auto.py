@@ -6,7 +6,7 @@ from coupler.preflight.check import Preflight
 from coupler.preflight.ladder import LONGEST
 from coupler.preflight.table import near_miss_line
 from shared.contract import BadInput
-from shared.schema import Scene
+from shared.schema.scene import Scene
 
 
 def chosen(report: Preflight, force: bool) -> Scene:

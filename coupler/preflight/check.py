@@ -17,7 +17,7 @@ from coupler.preflight.numbers import Numbers, scene_numbers
 from coupler.preflight.rules import findings
 from coupler.preflight.window import expected_window
 from shared.contract import BadInput
-from shared.schema import Scene
+from shared.schema.scene import Scene
 from shared.streams import say
 
 _ORDER = ("ok", "warn", "refuse")

@@ -15,8 +15,8 @@ import numpy as np
 
 from coupler.preflight.numbers import Numbers
 from coupler.preflight.window import expected_plan, expected_window
-from shared.schema import Scene
-from shared.sides import probe_rows
+from shared.scene.sides import probe_rows
+from shared.schema.scene import Scene
 
 STEP_S = {"ctvf": 4e-5, "wcsph": 4e-5, "still": 1e-4, "column": 1e-4}
 """Per fluid step, whatever its size."""

@@ -69,12 +69,11 @@ from coupler.preflight.shapes import CROWDED, crowding
 from coupler.preflight.swing import RADIATES, carries_sound, dragged, late, radiates
 from coupler.preflight.upright import levels_pull
 from coupler.preflight.window import GROWTH_WARN, lag_growth
-from shared.geometry import corners_of
-from shared.regions import axes_of
-from shared.schema import Scene
-from shared.schema_fluid import PARTICLE_FLUIDS
-from shared.schema_probes import FORCES, Probe
-from shared.schema_solid import RIGID_MODELS
+from shared.geometry.regions import axes_of, corners_of
+from shared.schema.fluid import PARTICLE_FLUIDS
+from shared.schema.probes import FORCES, Probe
+from shared.schema.scene import Scene
+from shared.schema.solid import RIGID_MODELS
 
 Parts = dict[str, float]
 

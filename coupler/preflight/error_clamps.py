@@ -18,10 +18,10 @@ import math
 
 from coupler.preflight.held import FACES_OF_AXIS, held_in_part, held_sides, lengthwise
 from coupler.preflight.plate import Plate, goals_probe, plates_body
-from shared.limbs import limbs
-from shared.regions import axes_of, own_box, turn
-from shared.schema import Scene
-from shared.schema_geometry import Body
+from shared.geometry.limbs import limbs
+from shared.geometry.regions import axes_of, own_box, turn
+from shared.schema.geometry import Body
+from shared.schema.scene import Scene
 
 SLIP = (0.6, 1.45, 9.0)
 FLAT = (0.25, 0.1)

@@ -38,11 +38,11 @@ from coupler.preflight.plate import goals_probe, goals_quantity
 from coupler.preflight.ploughed import ploughed
 from coupler.preflight.rules_water import LOOSE
 from shared.expected_speed import start_speed
-from shared.geometry import outline
-from shared.schema import Scene
-from shared.schema_fluid import Wall
-from shared.schema_probes import Probe
-from shared.wall_chains import segments_of
+from shared.geometry.regions import outline
+from shared.geometry.wall_chains import segments_of
+from shared.schema.fluid import Wall
+from shared.schema.probes import Probe
+from shared.schema.scene import Scene
 
 SMOOTH = {"ctvf": 0.5, "wcsph": 1.5}
 WAVE = {"ctvf": (7.33, 1.7), "wcsph": (17.2, 1.9)}

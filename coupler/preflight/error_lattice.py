@@ -18,11 +18,10 @@ from coupler.preflight.held import largest_factor, lengthwise
 from coupler.preflight.numbers import Numbers
 from coupler.preflight.plate import STATIC_FACTOR, goals_quantity, levels_before, of_a_body, plates_body
 from coupler.preflight.shapes import area, upward
-from shared.geometry import outline
-from shared.regions import axes_of
-from shared.schema import Scene
-from shared.schema_probes import FORCES
-from shared.segments import right_of
+from shared.geometry.regions import axes_of, outline
+from shared.geometry.segments import right_of
+from shared.schema.probes import FORCES
+from shared.schema.scene import Scene
 
 HELD = "water that bears shear"
 FEW, MANY = 0.35, 0.1  # κ

@@ -23,9 +23,9 @@ from coupler.preflight.finding import PUSHES, STEADY, of_particles
 from coupler.preflight.numbers import Numbers
 from coupler.preflight.plate import goals_probe, goals_quantity
 from coupler.preflight.water import unbacked
-from shared.schema import Scene
-from shared.schema_probes import FORCES
-from shared.shakers import Shaker, shakers, sound_time
+from shared.geometry.shakers import Shaker, shakers, sound_time
+from shared.schema.probes import FORCES
+from shared.schema.scene import Scene
 
 SHAKEN = "what is moved"
 QUARTER_WAVE = math.pi / 2.0

@@ -48,12 +48,12 @@ from coupler.preflight.plate import Plate, goals_probe, goals_quantity, of_a_bod
 from coupler.preflight.pressed import law_error
 from coupler.preflight.shapes import FEW, excess, excess_of_inertia
 from coupler.preflight.swing import swing
-from shared.limbs import bearing, limbs
-from shared.regions import axes_of, own_box, turn
-from shared.schema import Scene
-from shared.schema_probes import REACTIONS, STRESSES
-from shared.schema_solid import RIGID_MODELS
-from shared.sides import probe_rows
+from shared.geometry.limbs import bearing, limbs
+from shared.geometry.regions import axes_of, own_box, turn
+from shared.scene.sides import probe_rows
+from shared.schema.probes import REACTIONS, STRESSES
+from shared.schema.scene import Scene
+from shared.schema.solid import RIGID_MODELS
 from shared.solid_step import BEAM_STEPS, FIRST_ROOT
 
 BEAM_SHAPE, BEAM_STEPPED = 0.25, 4e-4

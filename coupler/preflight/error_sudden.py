@@ -13,10 +13,10 @@ import math
 from collections.abc import Sequence
 
 from coupler.preflight.plate import Plate, goals_quantity
-from shared.schema import Scene
-from shared.schema_probes import REACTIONS, STRESSES
-from shared.schema_solid import RIGID_MODELS
-from shared.sides import probe_rows
+from shared.scene.sides import probe_rows
+from shared.schema.probes import REACTIONS, STRESSES
+from shared.schema.scene import Scene
+from shared.schema.solid import RIGID_MODELS
 
 PEAKS = ("min", "max")
 ROUNDED, LEAST_SMEARED = 0.4, 2.5

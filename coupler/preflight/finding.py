@@ -8,9 +8,9 @@ from dataclasses import dataclass
 from typing import Literal
 
 from coupler.preflight.numbers import Numbers
-from shared.schema import Scene
-from shared.schema_fluid import PARTICLE_FLUIDS
-from shared.schema_probes import FORCES
+from shared.schema.fluid import PARTICLE_FLUIDS
+from shared.schema.probes import FORCES
+from shared.schema.scene import Scene
 
 Verdict = Literal["ok", "warn", "refuse"]
 

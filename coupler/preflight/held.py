@@ -3,7 +3,7 @@
 A body that all pushes along its length stretches, as a bar; one that is held on a long face shears over its thickness
 or, pushed straight at it, is pressed; others bend, as thin beams. A force N along a cantilever (a weight W counts as
 0.315 W at its tip) changes its bending stiffness by 1 + N/N_E, N_E = π² D/(4 L²) Euler's load. A body made of limbs,
-a frame or a ring (shared/limbs.py), bends as a beam of their thickness and of the length of all of them.
+a frame or a ring (shared/geometry/limbs.py), bends as a beam of their thickness and of the length of all of them.
 """
 
 from __future__ import annotations
@@ -13,13 +13,12 @@ import math
 import numpy as np
 
 from shared.elasticity import lame, plane_modulus, wave_speed
-from shared.geometry import corners_of
-from shared.limbs import limbs
-from shared.motion_table import largest_speed
-from shared.regions import axes_of, faces, own_box, own_size
-from shared.schema import Scene
-from shared.schema_geometry import Body
-from shared.schema_solid import RIGID_MODELS, Load
+from shared.geometry.limbs import limbs
+from shared.geometry.motion_table import largest_speed
+from shared.geometry.regions import axes_of, corners_of, faces, own_box, own_size
+from shared.schema.geometry import Body
+from shared.schema.scene import Scene
+from shared.schema.solid import RIGID_MODELS, Load
 from shared.solid_step import first_frequency
 
 FACES_OF_AXIS = (("left", "right"), ("bottom", "top"))

@@ -27,10 +27,10 @@ from coupler.preflight.shapes import CROWDED, crowding
 from coupler.preflight.variations import bends_at_points, coupled, dampings, fits, has_particles, refined, with_models
 from coupler.preflight.water import measure_water
 from coupler.preflight.window import GROWTH_WARN, lag_growth
-from shared.scene_checks import check_scene
-from shared.schema import Scene
-from shared.schema_fluid import PARTICLE_FLUIDS
-from shared.schema_solid import RIGID_MODELS
+from shared.scene.checks import check_scene
+from shared.schema.fluid import PARTICLE_FLUIDS
+from shared.schema.scene import Scene
+from shared.schema.solid import RIGID_MODELS
 
 Standing = Literal["smallest", "enough", "not enough", "cannot"]
 

@@ -17,10 +17,9 @@ from coupler.preflight.held import lengthwise
 from coupler.preflight.plate import Plate, levels_before, measure_plate, plates_body
 from coupler.preflight.upright import Side, moving_layer, parted, upright
 from coupler.preflight.water import Water, measure_water
-from shared.geometry import corners_of
-from shared.regions import axes_of
-from shared.schema import Scene
-from shared.schema_geometry import Body
+from shared.geometry.regions import axes_of, corners_of
+from shared.schema.geometry import Body
+from shared.schema.scene import Scene
 
 MODE_SHARE = {1: 0.613, 2: 0.690}  # (∫φ)²/(L ∫φ²) of the first mode: share of a column's mass that moves with it
 ROUND = 1.5

@@ -24,14 +24,13 @@ from coupler.preflight.pressed import strain_along
 from coupler.preflight.shapes import area, upward
 from coupler.preflight.water import UPWARD, Water, edge_samples
 from shared.elasticity import wave_speed
-from shared.geometry import contains, outline
-from shared.regions import axes_of, own_size
-from shared.schema import Scene
-from shared.schema_fluid import FluidBody
-from shared.schema_geometry import Body
-from shared.schema_probes import Probe
-from shared.schema_solid import RIGID_MODELS
-from shared.sides import is_solids
+from shared.geometry.regions import axes_of, contains, outline, own_size
+from shared.scene.sides import is_solids
+from shared.schema.fluid import FluidBody
+from shared.schema.geometry import Body
+from shared.schema.probes import Probe
+from shared.schema.scene import Scene
+from shared.schema.solid import RIGID_MODELS
 from shared.solid_step import (
     UPDATED_COURANT,
     beam_step,

@@ -10,10 +10,10 @@ from __future__ import annotations
 
 import numpy as np
 
-from shared.geometry import corners_of
+from shared.geometry.regions import corners_of
+from shared.geometry.shakers import shakers
 from shared.kernels import kernel_named
-from shared.schema import Scene
-from shared.shakers import shakers
+from shared.schema.scene import Scene
 
 _LOOSE = 2.8  # support over dx up to which particles give way
 _WAY = 2.0  # dx

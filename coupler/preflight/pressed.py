@@ -18,10 +18,10 @@ import numpy as np
 from coupler.preflight.held import FACES_OF_AXIS, held_ends, held_sides, largest_factor, lengthwise
 from coupler.preflight.water import Water
 from shared.elasticity import lame, plane_modulus
-from shared.regions import axes_of, own_size
-from shared.schema import Scene
-from shared.schema_geometry import Body
-from shared.schema_solid import RIGID_MODELS
+from shared.geometry.regions import axes_of, own_size
+from shared.schema.geometry import Body
+from shared.schema.scene import Scene
+from shared.schema.solid import RIGID_MODELS
 
 MOST, AT_ONCE = 1.0 / (3.0 * math.sqrt(3.0)), 4.0 / 27.0
 _LAW = {"ctvf": 1.0, "beam": 1.5}

@@ -16,10 +16,9 @@ from coupler.preflight.held import lengthwise
 from coupler.preflight.numbers import Numbers
 from coupler.preflight.plate import plates_body
 from coupler.preflight.swing import swing
-from shared.geometry import own_box
-from shared.motion_table import MotionTable
-from shared.regions import axes_of, turn
-from shared.schema import Scene
+from shared.geometry.motion_table import MotionTable
+from shared.geometry.regions import axes_of, own_box, turn
+from shared.schema.scene import Scene
 
 RESONANCE = "resonance with a time table"
 _PER_PERIOD = 40.0

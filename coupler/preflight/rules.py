@@ -46,7 +46,7 @@ from coupler.preflight.rules_water import (
     viscosity,
     water_across,
 )
-from shared.schema import Scene
+from shared.schema.scene import Scene
 
 RULES: tuple[Rule, ...] = (
     mach,

@@ -11,10 +11,10 @@ from coupler.preflight.swing import RADIATES, carries_sound, dragged, sounding
 from coupler.preflight.window import GROWTH_WARN, expected_plan, expected_window, lag_growth
 from coupler.stability.theory import incompressible, largest_stable
 from coupler.window import largest_alpha
+from shared.geometry.thin_bodies import thin_bodies
 from shared.ghost_inertia import ghost_inertia, ghosts_feel_acceleration, largest_inertia
-from shared.schema import Scene
-from shared.schema_solid import PARTICLE_MODELS
-from shared.thin_bodies import thin_bodies
+from shared.schema.scene import Scene
+from shared.schema.solid import PARTICLE_MODELS
 
 HELMHOLTZ_WARN, HELMHOLTZ_REFUSE = 0.8, RADIATES  # half and all of a quarter wave, where a column resonates
 DENSITY_RATIO = (0.009, 100.0)  # polystyrene foam in water 0.015, tungsten in it 19

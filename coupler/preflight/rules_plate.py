@@ -10,8 +10,8 @@ from coupler.preflight.held import damping_drag
 from coupler.preflight.numbers import Numbers
 from coupler.preflight.plate import of_a_body, plates_body
 from coupler.preflight.pressed import AT_ONCE, MOST
-from shared.schema import Scene
-from shared.schema_solid import PARTICLE_MODELS, RIGID_MODELS
+from shared.schema.scene import Scene
+from shared.schema.solid import PARTICLE_MODELS, RIGID_MODELS
 from shared.solid_step import LARGEST_UPDATED_COURANT, LATTICE_LIMIT, LATTICE_SHARE, UPDATED_COURANT
 
 SLENDER_WARN, SLENDER_REFUSE = 5.0, 3.0

@@ -7,9 +7,9 @@ import math
 from coupler.preflight.finding import Finding, above, graded, of_particles
 from coupler.preflight.numbers import Numbers
 from coupler.preflight.shapes import CROWDED, cells, crowding, excess
-from shared.limbs import bearing, fitting
-from shared.schema import Scene
-from shared.schema_solid import PARTICLE_MODELS
+from shared.geometry.limbs import bearing, fitting
+from shared.schema.scene import Scene
+from shared.schema.solid import PARTICLE_MODELS
 
 AREA_WARN = 0.02  # of a body's area that its particles hold too much or too little
 AREA_EXACT = 5e-5

@@ -11,9 +11,9 @@ from coupler.preflight.ploughed import ploughed
 from coupler.preflight.water import LEVEL
 from shared.expected_speed import shaken_speed, structure_speed, viscous_speed, water_speed
 from shared.fluid_step import COURANT, LARGEST_COURANT
-from shared.schema import Scene
-from shared.schema_geometry import Domain
-from shared.shakers import shakers
+from shared.geometry.shakers import shakers
+from shared.schema.geometry import Domain
+from shared.schema.scene import Scene
 
 MACH_WARN, MACH_REFUSE = 0.2, 0.5  # density varies by Ma²: 4 %, a quarter
 JOLT_WARN = 0.3  # of a push

@@ -7,10 +7,11 @@ from functools import lru_cache
 
 import numpy as np
 
-from shared import geometry
-from shared.regions import Same, outline_own, own_size
-from shared.schema import Scene
-from shared.schema_geometry import Shape
+from shared.geometry import regions
+from shared.geometry.particles import fill
+from shared.geometry.regions import Same, outline_own, own_size
+from shared.schema.geometry import Shape
+from shared.schema.scene import Scene
 
 _SLANT = 1e-6  # of dx: a face that leaves its line by less lies along it
 CROWDED = 0.03  # of the rows in a gap: water at rest is stirred at 0.067, and its forces swing by twice themselves
@@ -19,16 +20,16 @@ FEW = 2e4  # cells up to which an error bound counts what particles hold too muc
 
 @lru_cache(maxsize=512)
 def _area(same: Same) -> float:
-    return geometry.area(same.shape)
+    return regions.area(same.shape)
 
 
 @lru_cache(maxsize=512)
 def _excess(same: Same, dx: float) -> float:
-    return float(np.sum(geometry.fill(same.shape, dx).volume)) / _area(same) - 1.0
+    return float(np.sum(fill(same.shape, dx).volume)) / _area(same) - 1.0
 
 
 def area(shape: Shape) -> float:
-    """As geometry.area."""
+    """As regions.area."""
     return _area(Same(shape))
 
 
@@ -45,11 +46,11 @@ def excess(shape: Shape, dx: float, most: float) -> float:
 
 @lru_cache(maxsize=512)
 def _excess_of_inertia(same: Same, dx: float) -> float:
-    (x0, y0), (x1, y1) = np.moveaxis(geometry.outline(same.shape), 0, -1)
+    (x0, y0), (x1, y1) = np.moveaxis(regions.outline(same.shape), 0, -1)
     cross = x0 * y1 - x1 * y0
     centre = np.array([cross @ (x0 + x1), cross @ (y0 + y1)]) / (6.0 * _area(same))
     polar = cross @ (x0**2 + x0 * x1 + x1**2 + y0**2 + y0 * y1 + y1**2) / 12.0
-    particles = geometry.fill(same.shape, dx)
+    particles = fill(same.shape, dx)
     arm = particles.position - np.average(particles.position, axis=0, weights=particles.volume)
     return float(particles.volume @ np.sum(arm**2, axis=1)) / (polar - _area(same) * centre @ centre) - 1.0
 

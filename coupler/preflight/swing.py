@@ -14,8 +14,8 @@ from dataclasses import dataclass
 
 from coupler.preflight.finding import of_particles
 from coupler.preflight.numbers import Numbers
-from shared.schema import Scene
-from shared.schema_fluid import PARTICLE_FLUIDS
+from shared.schema.fluid import PARTICLE_FLUIDS
+from shared.schema.scene import Scene
 
 RADIATES = math.pi / 2.0  # depth in radians of sound: a quarter wave
 ECHO = 1.5  # of what a plate that moves as one would feel of an echo: found up to 1.2

@@ -20,10 +20,9 @@ from coupler.preflight.held import FACES_OF_AXIS, held_sides, lengthwise
 from coupler.preflight.plate import STATIC_FACTOR, Plate, plates_body, waters_before
 from coupler.preflight.shapes import upward
 from coupler.preflight.water import UPWARD, Water
-from shared.geometry import corners_of
-from shared.regions import axes_of
-from shared.schema import Scene
-from shared.schema_geometry import Body
+from shared.geometry.regions import axes_of, corners_of
+from shared.schema.geometry import Body
+from shared.schema.scene import Scene
 
 SWEPT = {1: 0.4, 2: 0.55}  # area that a plate sweeps over its deflection and length, by clamped ends
 _MODES, _POINTS = 40, 400

@@ -12,10 +12,10 @@ from coupler.preflight.rules_joint import SUPPORT_WARN
 from coupler.preflight.rules_plate import ACROSS_WARN
 from coupler.preflight.rules_water import WATER_ACROSS_WARN
 from coupler.preflight.swing import swing
-from shared.schema import Scene
-from shared.schema_fluid import PARTICLE_FLUIDS, Column
-from shared.schema_probes import FORCES, REACTIONS
-from shared.schema_solid import PARTICLE_MODELS, RIGID_MODELS
+from shared.schema.fluid import PARTICLE_FLUIDS, Column
+from shared.schema.probes import FORCES, REACTIONS
+from shared.schema.scene import Scene
+from shared.schema.solid import PARTICLE_MODELS, RIGID_MODELS
 
 Varied = tuple[Scene, tuple[str, ...]]
 

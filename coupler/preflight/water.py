@@ -10,13 +10,13 @@ import numpy as np
 from coupler.preflight.shapes import area, upward
 from shared.expected_speed import drifts, driven_speed, expected_speed, sound_speed, start_speed
 from shared.fluid_step import COURANT, fluid_step
-from shared.geometry import contains, corners_of, distance_to, outline
+from shared.geometry.regions import contains, corners_of, distance_to, outline
+from shared.geometry.segments import lengths, right_of
+from shared.geometry.thin_walls import points_along
+from shared.geometry.wall_chains import segments_of
+from shared.geometry.wall_speeds import lasting_faces
 from shared.kernels import kernel_named
-from shared.schema import Scene
-from shared.segments import lengths, right_of
-from shared.thin_walls import points_along
-from shared.wall_chains import segments_of
-from shared.wall_speeds import lasting_faces
+from shared.schema.scene import Scene
 
 _BACKED = 0.75  # of dx: a wall or body this close behind the water's face holds it
 LEVEL = 0.01  # of dx: a surface that slopes less is level

@@ -12,8 +12,8 @@ from coupler.stability.theory import acoustic, echo_gain, growth
 from coupler.window import Plan, make_plan, mass_ratio
 from shared.contract import Description
 from shared.fluid_step import COURANT
-from shared.schema import Scene
-from shared.sides import probe_rows
+from shared.scene.sides import probe_rows
+from shared.schema.scene import Scene
 
 WINDOWS_PER_PERIOD = 20.0
 GROWTH_WARN = 100.0

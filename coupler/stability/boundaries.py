@@ -18,8 +18,8 @@ from coupler.stability.map import Method, StabilityMap
 from coupler.stability.runs import FAILED, NOTHING, boundary, cell_scene, measure, with_reference
 from coupler.stability.theory import THEORIES
 from shared.contract import BadInput
-from shared.results import output_folder
-from shared.schema import Scene
+from shared.run.results import output_folder
+from shared.schema.scene import Scene
 
 _RULE_TOLERANCE = 1e-3  # to which the y is sought where pre-flight begins to warn
 

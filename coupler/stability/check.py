@@ -11,8 +11,8 @@ from coupler.stability.map import Method, StabilityMap
 from coupler.stability.runs import cell_scene
 from coupler.stability.theory import THEORIES
 from shared.contract import BadInput
-from shared.scene_fields import suggest
-from shared.schema import Scene
+from shared.scene.fields import suggest
+from shared.schema.scene import Scene
 
 _SHOWN = 10  # mistakes
 

@@ -11,10 +11,10 @@ from collections.abc import Callable
 from pathlib import Path
 
 from coupler.stability.map import Criterion
-from shared.plain import plain
-from shared.results import environment
-from shared.scene import computed
-from shared.schema import Scene
+from shared.run.plain import plain
+from shared.run.results import environment
+from shared.scene.reading import computed
+from shared.schema.scene import Scene
 
 Measured = Callable[[Scene, Criterion], float | None]
 Remembered = Callable[[Measured, Scene, Criterion], float | None]

@@ -16,11 +16,11 @@ from pydantic import Field, ValidationError, model_validator
 
 from coupler.stability.theory import THEORIES
 from shared.contract import BadInput
-from shared.scene import read_toml, shipped_cases
-from shared.scene_errors import explain, strict
-from shared.scene_fields import suggest
-from shared.schema_base import Name, Positive, Table, key
-from shared.schema_probes import Statistic
+from shared.scene.errors import explain, strict
+from shared.scene.fields import suggest
+from shared.scene.reading import read_toml, shipped_cases
+from shared.schema.base import Name, Positive, Table, key
+from shared.schema.probes import Statistic
 
 VOCABULARY = "cases/maps/README.md"
 

@@ -12,7 +12,7 @@ from matplotlib import colormaps
 from matplotlib.colors import ListedColormap, LogNorm, Normalize
 from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter, NullLocator
 
-from shared.drawing import FONT_PT, INK, axes_at, new_figure, save
+from shared.run.drawing import FONT_PT, INK, axes_at, new_figure, save
 
 _PANEL_IN = 2.3
 _GAP_IN, _LEFT_IN, _BOTTOM_IN, _TOP_IN, _BAR_IN = 0.28, 0.7, 0.95, 0.62, 0.95

@@ -8,7 +8,7 @@ from __future__ import annotations
 from pathlib import Path
 
 from coupler.stability.map import StabilityMap, maps_folder
-from shared.scene_reference import render
+from shared.scene.reference import render
 
 MARKER = "<!-- Below: made from the vocabulary by `python -m coupler.stability.reference` -->"
 

@@ -23,11 +23,11 @@ from coupler.window import make_plan, mass_ratio
 from shared.clock import Clock
 from shared.contract import BadInput, Kinematics, ShearwaterError
 from shared.participant import Participant
-from shared.record import of_the_machine
-from shared.scene import load_scene
-from shared.schema import Scene
-from shared.sides import probe_rows
-from shared.statistics import relative_error, statistic
+from shared.run.record import of_the_machine
+from shared.run.statistics import relative_error, statistic
+from shared.scene.reading import load_scene
+from shared.scene.sides import probe_rows
+from shared.schema.scene import Scene
 
 FAILED = math.inf  # measure of a run that a limit or a non-finite state ended
 DIED_OUT = -math.inf  # growth of a run whose probe has sunk into rounding

@@ -25,7 +25,7 @@ from numpy.polynomial import Polynomial
 
 from coupler.stability.lattice import largest_courant
 from shared.kernels import kernel_named
-from shared.schema import Scene
+from shared.schema.scene import Scene
 
 Y = Polynomial([0.0, 1.0])
 PREDICTION = {0: Y, 1: 2 * Y - Y**2, 2: 3 * Y - 3 * Y**2 + Y**3}

@@ -1,0 +1,1 @@
+"""From a TOML file to a checked scene: reading, `--set`, checks, messages, warnings, and the document of all keys."""
