@@ -1,4 +1,4 @@
-"""The fluid at t = 0: bodies as packed and settled particles."""
+"""The fluid at t = 0: bodies as packed and settled particles, and the state array that they begin."""
 
 from __future__ import annotations
 
@@ -6,6 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from fluid_solver.fields import FLUID, FREE_SLIP, FRICTION, PR2, RHO, ROWS, VOL, M, P, U, V, X, Y
 from fluid_solver.flows import initial_flow
 from fluid_solver.ghosts import Ghosts
 from fluid_solver.packing import off_faces, pack
@@ -59,6 +60,21 @@ def fluid_particles(scene: Scene, c0: float, ghosts: Ghosts) -> FluidParticles:
         np.concatenate(column) for column in zip(*parts, strict=True)
     )
     return FluidParticles(position, velocity, pressure, density, fluid.density * volume * share, owner)
+
+
+def initial_state(water: FluidParticles, ghosts: Ghosts) -> tuple[np.ndarray, np.ndarray]:
+    """State array and kinds of the fluid, then the ghosts."""
+    n = len(water.position)
+    S = np.zeros((ROWS, n + len(ghosts.position)))
+    kind = np.concatenate([np.full(n, FLUID, dtype=np.int8), ghosts.kind])
+    S[[X, Y]] = np.concatenate([water.position, ghosts.position]).T
+    S[[U, V], :n] = water.velocity.T
+    S[P, :n], S[RHO, :n], S[M, :n] = water.pressure, water.density, water.mass
+    S[VOL, :n] = water.mass / water.density
+    S[PR2, :n] = water.pressure / water.density**2
+    S[VOL, n:] = ghosts.volume
+    S[FRICTION] = kind != FREE_SLIP
+    return S, kind
 
 
 def shaken(position: np.ndarray, size: float) -> np.ndarray:

@@ -12,36 +12,18 @@ from collections.abc import Mapping
 import numpy as np
 
 from fluid_solver import diagnosis
-from fluid_solver.fields import (
-    FLUID,
-    FREE_SLIP,
-    FRICTION,
-    OF_SHIFTING,
-    PARKED,
-    PR2,
-    RHO,
-    ROWS,
-    VOL,
-    M,
-    P,
-    U,
-    V,
-    X,
-    Y,
-)
-from fluid_solver.forces import make_forces
+from fluid_solver.fields import FLUID, OF_SHIFTING, PARKED, RHO, VOL, P, U, V, X, Y
 from fluid_solver.ghosts import lay_ghosts
-from fluid_solver.initial import fluid_particles
+from fluid_solver.initial import fluid_particles, initial_state
 from fluid_solver.integrate import advance_and_drift, keep_volume, kick, kick_and_drift, largest_of
 from fluid_solver.motion import GhostMotion, keep_room, place_ghosts
 from fluid_solver.observe import Observer
 from fluid_solver.parameters import Parameters, courant_of, parameters
 from fluid_solver.period import period_of, wrapped
-from fluid_solver.rates import make_rates
 from fluid_solver.sampling import FILLED, lowest_filling
 from fluid_solver.store import Store
+from fluid_solver.sweeps import Sweeps, make_sweeps
 from fluid_solver.thin import refuse_thin
-from fluid_solver.walls import make_ghost_velocity, make_ghosts
 from shared.contract import Description, Frame, Kinematics, Loads
 from shared.expected_speed import sound_speed
 from shared.fluid_step import fluid_step
@@ -65,11 +47,7 @@ class ParticleFluid:
         self._courant = courant_of(fluid)
         refuse_thin(scene)
         self._transported = fluid.model == "ctvf"
-        viscous = fluid.viscosity > 0.0
-        self._rates = make_rates(kernel.code, self._transported)
-        self._forces = make_forces(kernel.code, viscous, self._transported)
-        self._ghost_velocity = make_ghost_velocity(kernel.code, viscous)
-        self._ghost_sweep = make_ghosts(kernel.code, viscous)
+        self.sweeps: Sweeps = make_sweeps(kernel.code, fluid.viscosity > 0.0, self._transported)
         self.ghosts = lay_ghosts(scene, self.c.support)
         water = fluid_particles(scene, self.c.c0, self.ghosts)
         self.fluid_count = len(water.position)
@@ -77,7 +55,7 @@ class ParticleFluid:
         self._walls = self.ghosts.walls
         self._threads = threads if self.particles() >= SERIAL_BELOW else 1
         self.store = Store(
-            *_initial_state(water, self.ghosts),
+            *initial_state(water, self.ghosts),
             self.c.support,
             diagnosis.domain_of(scene),
             period_of(scene),
@@ -128,7 +106,7 @@ class ParticleFluid:
         self._place(0.0, 0.0, 1.0, motion, always=True)
         store = self.store
         store.sort()
-        self._ghost_velocity(store.S, store.kind, store.ids, *store.cells(1), self.c, self._first, self._motion.pose)
+        self._mirror()
         self._load_ghosts()
         self._fill(self._enclosed_volume())
         self._accelerate(0.0)
@@ -199,8 +177,8 @@ class ParticleFluid:
         store.sort_midway(dt, drift, ghosts)
         # 4, 5  ghosts' velocities and rates at the middle; p and ρ a full step on
         # 6     x += (u_half + δu) dt/2; walls and ghosts to the end
-        self._ghost_velocity(store.S, store.kind, store.ids, *store.cells(1), c, self._first, self._motion.pose)
-        self._rates(store.S, *store.cells(), c, store.work)
+        self._mirror()
+        self.sweeps.rates(store.S, *store.cells(), c, store.work)
         advance_and_drift(store.S, store.kind, store.count, dt, self._transported, c, store.work, store.clipped)
         if self._volume > 0.0:
             keep_volume(store.S, store.kind, store.count, self._volume, c, store.speeds)
@@ -209,15 +187,19 @@ class ParticleFluid:
         # 7  pressures of ghosts, eq. 14, and the forces on them
         self._load_ghosts()
 
+    def _mirror(self) -> None:
+        s = self.store
+        self.sweeps.ghost_velocity(s.S, s.kind, s.ids, *s.cells(1), self.c, self._first, self._motion.pose)
+
     def _load_ghosts(self) -> None:
         s = self.store
-        self._ghost_sweep(s.S, s.ids, *s.cells(1), self.c, self._first, self.force)
+        self.sweeps.ghosts(s.S, s.ids, *s.cells(1), self.c, self._first, self.force)
 
     def _accelerate(self, dt: float) -> None:
         """The end of a step of `dt` [s]."""
         s = self.store
         # 8  accelerations, shifting and surface at the new positions
-        self._forces(s.S, *s.cells(), self.c, self._speed, s.work, s.fastest)
+        self.sweeps.forces(s.S, *s.cells(), self.c, self._speed, s.work, s.fastest)
         # 9  u = u_half + a dt/2;  cells for the next step, if it is like this one
         kick(s.S, s.kind, s.count, dt, self._transported, s.work, s.speeds)
         self._acceleration, drift = largest_of(s.speeds, s.count)
@@ -227,9 +209,9 @@ class ParticleFluid:
         """Compile the sweeps over pairs, by one over the cells that there are before the first sort: none."""
         s = self.store
         self._load_ghosts()
-        self._forces(s.S, *s.cells(), self.c, self._speed, s.work, s.fastest)
-        self._rates(s.S, *s.cells(), self.c, s.work)
-        self._ghost_velocity(s.S, s.kind, s.ids, *s.cells(1), self.c, self._first, self._motion.pose)
+        self.sweeps.forces(s.S, *s.cells(), self.c, self._speed, s.work, s.fastest)
+        self.sweeps.rates(s.S, *s.cells(), self.c, s.work)
+        self._mirror()
 
     def _place(self, t0, since, length, boundary, always=False) -> None:
         """Ghosts to the pose they have `since` seconds after t0; nothing to do when all stand still."""
@@ -296,18 +278,3 @@ class ParticleFluid:
     def steps(self) -> int:
         """Time steps taken so far."""
         return self._steps
-
-
-def _initial_state(water, ghosts) -> tuple[np.ndarray, np.ndarray]:
-    """State array and kinds of the fluid, then the ghosts."""
-    n = len(water.position)
-    S = np.zeros((ROWS, n + len(ghosts.position)))
-    kind = np.concatenate([np.full(n, FLUID, dtype=np.int8), ghosts.kind])
-    S[[X, Y]] = np.concatenate([water.position, ghosts.position]).T
-    S[[U, V], :n] = water.velocity.T
-    S[P, :n], S[RHO, :n], S[M, :n] = water.pressure, water.density, water.mass
-    S[VOL, :n] = water.mass / water.density
-    S[PR2, :n] = water.pressure / water.density**2
-    S[VOL, n:] = ghosts.volume
-    S[FRICTION] = kind != FREE_SLIP
-    return S, kind

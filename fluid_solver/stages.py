@@ -24,28 +24,24 @@ import time
 import numpy as np
 
 from fluid_solver.cells import COLUMNS
+from fluid_solver.sweeps import Sweeps
 
 OPERATIONS = {"wcsph": {"rates": 21, "forces": 36}, "ctvf": {"rates": 35, "forces": 61}}
 """Floating-point operations per candidate, a root counted as one, by hand from terms.py and kernels.py."""
-_STAGES = {
-    "_ghost_velocity": "ghosts' velocities",
-    "_rates": "rates",
-    "_ghost_sweep": "ghosts' pressures and forces",
-    "_forces": "forces",
-}
+_SWEEPS = ("ghosts' velocities", "rates", "ghosts' pressures and forces", "forces")  # in the order of `Sweeps`
 
 
 def stages(fluid, dt: float, steps: int) -> dict[str, float]:
     """Core seconds per step of every stage of a `ParticleFluid` under way, over `steps` steps of `dt` [s]."""
-    spent = dict.fromkeys([*_STAGES.values(), "cell sort"], 0.0)
-    timed = [(fluid, name, stage) for name, stage in _STAGES.items()] + [(fluid.store, "sort", "cell sort")]
-    for owner, name, stage in timed:
-        setattr(owner, name, _timed(getattr(owner, name), spent, stage))
+    spent = dict.fromkeys([*_SWEEPS, "cell sort"], 0.0)
+    sweeps = fluid.sweeps
+    fluid.sweeps = Sweeps(*(_timed(sweep, spent, stage) for sweep, stage in zip(sweeps, _SWEEPS, strict=True)))
+    fluid.store.sort = _timed(fluid.store.sort, spent, "cell sort")  # of this one store
     begun = time.process_time()
     fluid.advance(0.0, steps * dt, steps, None)
     whole = time.process_time() - begun
-    for owner, name, _ in timed:
-        setattr(owner, name, getattr(owner, name).__wrapped__)
+    fluid.sweeps = sweeps
+    del fluid.store.sort
     spent["kicks, drifts, the rest"] = whole - sum(spent.values())
     return {stage: seconds / steps for stage, seconds in spent.items()}
 
@@ -56,7 +52,6 @@ def _timed(call, spent: dict[str, float], stage: str):
         call(*arguments)
         spent[stage] += time.process_time() - begun
 
-    timed.__wrapped__ = call
     return timed
 
 

@@ -134,12 +134,11 @@ def test_sweeps_compiled_on_their_own_are_those_of_a_run(name):
     before = everything(model)
     model.compile_sweeps()
     assert all(np.array_equal(array, before[name]) for name, array in everything(model).items())
-    sweeps = model._rates, model._forces, model._ghost_velocity, model._ghost_sweep
-    compiled = [set(sweep.signatures) for sweep in sweeps]
+    compiled = [set(sweep.signatures) for sweep in model.sweeps]
     assert all(compiled)
     model.begin(None)
     run(model, 0.001)
-    assert [set(sweep.signatures) for sweep in sweeps] == compiled
+    assert [set(sweep.signatures) for sweep in model.sweeps] == compiled
 
 
 def test_cells_hold_every_neighbour():
