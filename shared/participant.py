@@ -6,11 +6,8 @@ window, keeps the copy that `rollback` returns to, writes frames and evaluates p
 
 from __future__ import annotations
 
-import contextlib
 import logging
-import resource
-import time
-from collections.abc import Iterator, Mapping
+from collections.abc import Mapping
 from pathlib import Path
 
 import numpy as np
@@ -29,6 +26,7 @@ from shared.contract import (
     exchange_fields,
     exchange_shapes,
 )
+from shared.costs import Costs
 from shared.face_loads import FaceLoads
 from shared.run.checkpoint import inside, misfit, read_state, under, write_state
 from shared.run.results import peak_mib
@@ -37,7 +35,6 @@ from shared.schema.scene import Scene
 
 log = logging.getLogger("shearwater")
 
-_COSTS = ("steps", "busy_s", "output_s", "outgrown_windows", "core_s", "stepping_core_s")
 _OUTGROWN = 1.25  # a sub-step this much longer than the stable step at the window's end is noted in the log
 
 
@@ -61,10 +58,7 @@ class Participant:
         self._substeps = 0
         self._limit: float | None = None  # stable step [s] where the last window ended, if known
         self._saved: dict[str, np.ndarray] | None = None
-        self._busy, self._writing = 0.0, 0.0  # time spent in steps, and in probes, frames and checkpoints [s]
-        self._core_at_start, self._core_writing = 0.0, 0.0  # processor time: before the first step, and of output [s]
-        self._outgrown = 0
-        self._earlier = dict.fromkeys(_COSTS, 0.0)  # of a run that this one goes on with
+        self._costs = Costs()
 
     # ---- the verbs --------------------------------------------------------------------------------------------
 
@@ -103,7 +97,7 @@ class Participant:
             if not resumed:
                 self._writer.append(0.0, self.model.frame())
         self._stage = "ready"
-        self._core_at_start = time.process_time()
+        self._costs.begin()
         if self._faces is not None:
             self._places = own.position.copy(), own.position.copy()
         return self._selected(own), self.model.probe_values()
@@ -116,16 +110,15 @@ class Participant:
         self._need(self._stage == "ready", "advance", self._why_not_ready())
         self._need(window.index == self._next, "advance", f"window {self._next} is next, not window {window.index}")
         self.settle()
-        begun = time.perf_counter()
-        if window.iteration == 0:
-            self._substeps = window.substeps(self.model.stable_step() if self._limit is None else self._limit)
-        if self._rollback and self._saved is None and not final:
-            self._saved = {name: np.copy(array) for name, array in self.model.state().items()}
-        take = self.model.reach if self._early else self.model.advance
-        own = take(window.t0, window.t1, self._substeps, self._spread(boundary))
-        self.model.check()
+        with self._costs.stepping():
+            if window.iteration == 0:
+                self._substeps = window.substeps(self.model.stable_step() if self._limit is None else self._limit)
+            if self._rollback and self._saved is None and not final:
+                self._saved = {name: np.copy(array) for name, array in self.model.state().items()}
+            take = self.model.reach if self._early else self.model.advance
+            own = take(window.t0, window.t1, self._substeps, self._spread(boundary))
+            self.model.check()
         self._unsettled = window
-        self._busy += time.perf_counter() - begun
         self._stage = "advanced"
         if self._places is not None:
             self._places = self._places[0], own.position.copy()
@@ -136,12 +129,11 @@ class Participant:
         it."""
         if self._unsettled is None or self._stage != "ready":
             return
-        begun = time.perf_counter()
-        if self._early:
-            self.model.settle()
-        self._note_outgrown(self._unsettled)
+        with self._costs.stepping():
+            if self._early:
+                self.model.settle()
+            self._note_outgrown(self._unsettled)
         self._unsettled = None
-        self._busy += time.perf_counter() - begun
 
     def rollback(self) -> None:
         """Back to the window's start, bit for bit."""
@@ -163,7 +155,7 @@ class Participant:
         if not frame and not row:
             return None
         self.settle()
-        with self._timed_output():
+        with self._costs.output():
             self.model.check()
             if frame:
                 self._writer.append(self._clock.time(index + 1), self.model.frame())
@@ -173,8 +165,8 @@ class Participant:
         """Write the complete state, and what it has cost so far, to the HDF5 file `path`."""
         self._need(self._stage == "ready", "save", self._why_not_ready())
         self.settle()
-        with self._timed_output():
-            costs = {n: np.array(v) for n, v in self._costs().items()}
+        with self._costs.output():
+            costs = {n: np.array(v) for n, v in self._costs.so_far(self.model.steps()).items()}
             state = under("model", self.model.state()) | under("cost", costs)
             if self._places is not None:
                 state["places"] = self._places[0]
@@ -189,7 +181,7 @@ class Participant:
             if self._places is not None:
                 self._places = (state["places"],) * 2
             self._next = int(state["window"])
-            self._earlier = {name: float(value) for name, value in inside("cost", state).items()}
+            self._costs.go_on_from(inside("cost", state))
         except (KeyError, ValueError) as error:
             raise misfit(path, error) from None
         self._limit = self._saved = None
@@ -199,7 +191,7 @@ class Participant:
         self._need(self._stage != "finished", "finish", "the participant has finished already")
         self.close()
         self._stage = "finished"
-        costs = self._costs()
+        costs = self._costs.so_far(self.model.steps())
         particles, steps, busy = self.model.particles(), round(costs["steps"]), costs["busy_s"]
         return {
             "model": self.model.describe().model,
@@ -217,7 +209,7 @@ class Participant:
     @property
     def spent(self) -> float:
         """Time [s] spent in steps and in output so far."""
-        return self._busy + self._writing
+        return self._costs.spent
 
     @property
     def finished(self) -> bool:
@@ -230,27 +222,6 @@ class Participant:
             self._writer.close()
             self._writer = None
 
-    @contextlib.contextmanager
-    def _timed_output(self) -> Iterator[None]:
-        """Counts the time spent inside as output."""
-        begun, core = time.perf_counter(), time.process_time()
-        yield
-        self._writing += time.perf_counter() - begun
-        self._core_writing += time.process_time() - core
-
-    def _costs(self) -> dict[str, float]:
-        """What this side has cost so far, before a checkpoint that it went on from included."""
-        usage = resource.getrusage(resource.RUSAGE_SELF)
-        now = (
-            self.model.steps(),
-            self._busy,
-            self._writing,
-            self._outgrown,
-            usage.ru_utime + usage.ru_stime,
-            time.process_time() - self._core_at_start - self._core_writing,
-        )
-        return {name: self._earlier[name] + value for name, value in zip(_COSTS, now, strict=True)}
-
     def expected_boundary(self) -> Mapping[str, tuple[int, ...]]:
         """Names and shapes of the partner's fields that `advance` needs."""
         return exchange_shapes(TAKES[self.model.role], len(self._selection))
@@ -260,7 +231,7 @@ class Participant:
         step, limit = window.length / self._substeps, self.model.stable_step()
         self._limit = limit
         if step > _OUTGROWN * limit:
-            self._outgrown += 1
+            self._costs.outgrown += 1
             log.warning(
                 "window %d, t = %.6g s: stable step %.3g s, steps taken %.3g s; the next window takes more of them",
                 window.index,
