@@ -1,4 +1,4 @@
-"""Whether a body floats, and how far it has to go to its equilibrium, from the scene alone."""
+"""Whether a body floats or carries the water, and how far it has to go to its equilibrium, from the scene alone."""
 
 from __future__ import annotations
 
@@ -8,7 +8,8 @@ import numpy as np
 
 from coupler.preflight.held import lengthwise
 from coupler.preflight.shapes import area, upward
-from shared.geometry.regions import area_below, corners_of, outline
+from coupler.preflight.water import UPWARD, edge_samples
+from shared.geometry.regions import area_below, contains, corners_of, outline
 from shared.geometry.segments import right_of
 from shared.schema.geometry import Body
 from shared.schema.scene import Scene
@@ -19,12 +20,20 @@ _ROUNDING = 1e-6  # of a body's height
 
 def afloat(scene: Scene, body: Body) -> bool:
     """Whether a body rises and sinks with the water's level: that stands at its sides, and its springs along gravity do
-    not hold it. A floor, or a body that is under water all over, does not float."""
+    not hold it. A floor, a tub, or a body that is under water all over, does not float."""
     g = math.hypot(*scene.gravity)
-    if scene.solid.model != "spring" or g == 0.0 or not _pierces(scene):
+    if scene.solid.model != "spring" or g == 0.0 or not _pierces(scene) or carries(scene, body):
         return False
     along = sum(k * (part / g) ** 2 for k, part in zip(scene.solid.spring.stiffness, scene.gravity, strict=False))
     return along * AFLOAT < scene.fluid.density * g * lengthwise(body)[2]
+
+
+def carries(scene: Scene, body: Body) -> bool:
+    """Whether all the water stands on a body, as in a tub: it rises and sinks with it."""
+    middle, outward = edge_samples(scene.fluid.bodies, scene.fluid.dx)
+    below = outward @ upward(scene) < -UPWARD
+    beneath = middle[below] + scene.fluid.dx * outward[below]
+    return any(scene.gravity) and bool(np.all(contains(body, beneath)))
 
 
 def _pierces(scene: Scene) -> bool:
@@ -53,9 +62,9 @@ def to_equilibrium(scene: Scene, body: Body) -> float:
 
 def buoyant_stiffness(scene: Scene, body: Body) -> float:
     """Force [N/m per metre of depth] that lifts a body per metre that it sinks: ρ g by the width of its waterline, and
-    by as much more as the water's level rises; 0 of one that no surface cuts, or that stands on it."""
+    by as much more as the water's level rises; 0 of one that no surface cuts, that stands on it or carries it."""
     g = math.hypot(*scene.gravity)
-    if g == 0.0:
+    if g == 0.0 or carries(scene, body):
         return 0.0
     up = upward(scene)
     sides, level = outline(body) @ _frame(up), _level(scene, up)

@@ -13,8 +13,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from coupler.preflight.afloat import carries
 from coupler.preflight.held import lengthwise
 from coupler.preflight.plate import Plate, levels_before, measure_plate, plates_body
+from coupler.preflight.shapes import area
 from coupler.preflight.upright import Side, moving_layer, parted, upright
 from coupler.preflight.water import Water, measure_water
 from shared.geometry.regions import axes_of, corners_of
@@ -85,7 +87,10 @@ def _joint(scene: Scene, water: Water, plate: Plate) -> Joint:
         moved += added / (plate.density * plate.thickness)
         wet_frequency = plate.frequency / math.sqrt(moved)
     elif plate.frequency is not None and plate.model == "spring" and plate.wet:
-        if _in_column(water, plate, closing):
+        if carries(scene, body) and water.model != "column":
+            moved += water.density * sum(area(one) for one in scene.fluid.bodies) / (plate.density * area(body))
+            wet_frequency = plate.frequency / math.sqrt(moved)
+        elif _in_column(water, plate, closing):
             moved, stiffer = _sprung_in_column(scene, water, plate, depth)
             wet_frequency = plate.frequency * math.sqrt(stiffer / moved)
         else:  # water flows round it
