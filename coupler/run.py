@@ -38,6 +38,8 @@ from shared.warm import fill_cache
 
 log = logging.getLogger("shearwater")
 
+_ROUNDED = 1e-9  # of a length
+
 
 def run_coupled(
     scene: Scene,
@@ -150,7 +152,7 @@ def couple(scene: Scene, fluid: Remote, structure: Remote, record: Record, last:
 def check_pressures(scene: Scene, structure: Description, fluid: Description) -> None:
     """Pressures are integrated over faces that feel their own side's water alone."""
     reach, thickness = fluid.numbers["support"], structure.numbers["thickness"]
-    if scene.coupling.loads == "pressure" and thickness < reach:
+    if scene.coupling.loads == "pressure" and thickness < reach * (1.0 - _ROUNDED):
         raise BadInput(
             f'coupling.loads = "pressure": the structure is {thickness:.3g} m thick, the kernel of the fluid reaches '
             f"{reach:.3g} m, so that its dry side would feel the water on the other. Use loads = force, or fluid.dx at "

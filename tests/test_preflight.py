@@ -64,6 +64,8 @@ TRIPPED = (
     ("support", "dam_break_plate", ["fluid.dx=5e-3"], "thickness/support", "warn"),
     ("support", "dam_break_plate", ["fluid.dx=1e-2"], "thickness/support", "refuse"),
     ("support", "dam_break_plate", ["fluid.dx=5e-3", "coupling.loads=pressure"], "thickness/support", "refuse"),
+    ("support", "hydrostatic_plate", ["fluid.model=still", "fluid.dx=6e-2", "coupling.loads=pressure"],
+     "thickness/support", "refuse"),
     ("support", "two_levels", ["fluid.dx=1.2e-2"], "thickness/support", "refuse"),  # as its run does
     ("face_pressures", "cantilever_in_water", ["coupling.loads=pressure"], "face pressures", "warn"),
     ("drag", "cantilever_in_water", ["goal.statistic=min"], "drag", "warn"),
@@ -104,6 +106,12 @@ TRIPPED = (
 @pytest.mark.parametrize(("rule", "case", "sets", "name", "verdict"), TRIPPED)
 def test_rule_is_tripped(rule, case, sets, name, verdict):
     assert verdicts(case, *sets)[name] == verdict
+
+
+def test_water_at_rest_has_no_mass_that_lag_feels():
+    """`--models auto` warned of its own choice for a gate of foam."""
+    light = ["solid.density=30", "coupling.scheme=serial-explicit", "fluid.model=still"]
+    assert verdicts("hydrostatic_plate", *light)["mass ratio"] == "ok"
 
 
 def test_a_long_window_that_auto_iterates_is_no_lagged_one():

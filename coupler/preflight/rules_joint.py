@@ -65,7 +65,8 @@ def _faster_sound(now: float, times: float) -> str:
 
 
 def mass_ratio(scene: Scene, n: Numbers) -> Finding | None:
-    """r = ρ_f H/(ρ_s t): how much water a plate moves; what a lagged exchange feels."""
+    """r = ρ_f H/(ρ_s t): how much water a plate moves; what a lagged exchange feels, but of water at rest, which has
+    no mass."""
     if n.joint is None or n.plate.model == "rigid":
         return None
     value, scheme = n.joint.mass_ratio, scene.coupling.scheme
@@ -79,7 +80,7 @@ def mass_ratio(scene: Scene, n: Numbers) -> Finding | None:
             return Finding("mass ratio", value, "refuse", reason, "an implicit scheme with iqn-ils, or scheme = auto")
         return Finding("mass ratio", value, "ok", reason)
     reason = "the water over the plate's area weighs so many plates"
-    if value > MASS_RATIO_WARN and scheme.endswith("explicit"):
+    if value > MASS_RATIO_WARN and scheme.endswith("explicit") and n.water.model != "still":
         return Finding("mass ratio", value, "warn", reason, "an implicit scheme with iqn-ils, or scheme = auto")
     return Finding("mass ratio", value, "ok", reason)
 
@@ -133,19 +134,20 @@ def _lagged_on_column(scene: Scene, n: Numbers, value: float, reason: str) -> Fi
 
 
 def support(scene: Scene, n: Numbers) -> Finding | None:
-    """The thinnest body's thickness over the fluid kernel's support; of one between two waters, that of the run's own
-    refusal."""
-    if n.plate is None or not of_particles(n):
+    """The thinnest body's thickness over the fluid kernel's support; of one between two waters, and of pressures over
+    faces, which columns and water at rest tell at points dx apart, that of the run's own refusal."""
+    faced = n.joint is not None and scene.coupling.loads == "pressure"  # over faces that feel their own side alone
+    if n.plate is None or not (of_particles(n) or faced):
         return None
-    for name, thickness, both in thin_bodies(scene):
+    reach = n.water.support if of_particles(n) else n.water.dx
+    for name, thickness, both in thin_bodies(scene) if of_particles(n) else ():
         if both:
             reason = f"{name!r} is {thickness:.3g} m thick, water on both faces: the net load is up to a quarter off"
             way_out = f"fluid.dx = {0.5 * thickness:.3g}"
-            return Finding("thickness/support", thickness / n.water.support, "refuse", reason, way_out)
-    value = n.plate.thinnest / n.water.support
-    faced = n.joint is not None and scene.coupling.loads == "pressure"  # over faces that feel their own side alone
+            return Finding("thickness/support", thickness / reach, "refuse", reason, way_out)
+    value = n.plate.thinnest / reach
     verdict = below(value, SUPPORT_WARN, SUPPORT_WARN if faced else SUPPORT_REFUSE)
-    reason = f"support {n.water.support:.3g} m, plate {n.plate.thinnest:.3g} m"
+    reason = f"support {reach:.3g} m, plate {n.plate.thinnest:.3g} m"
     if verdict == "ok":
         return Finding("thickness/support", value, verdict, reason)
     finer = n.water.dx * value
