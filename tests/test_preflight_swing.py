@@ -144,13 +144,14 @@ def test_bounds_hold_what_artificial_viscosity_drags_along_with_a_plate(tmp_path
 
 
 def test_damping_holds_the_plate_and_not_its_water(tmp_path):
-    """Under columns that move along, of twice its mass, it dies a third as fast as in air."""
+    """Under columns, each of which moves with its foot, of 2.8 times its mass, it dies a quarter as fast as in air; a
+    mean of a steel sheet under mercury was 2.9 % off under 2.6 % by a swing of too little mass."""
     damped = ["solid.damping=20", "fluid.column.compressible=false"]
     scenes = [floor(tmp_path, *damped, f"fluid.model={model}") for model in ("column", "still")]
     wet, dry = (swing(scene, scene_numbers(scene)) for scene in scenes)
     assert dry.damping == 20.0
     assert wet.damping / dry.damping == pytest.approx((wet.omega / dry.omega) ** 2)
-    assert wet.moved == pytest.approx(1.0 + 0.69 * 50.0 / 18.0, rel=1e-3)
+    assert wet.moved == pytest.approx(1.0 + 50.0 / 18.0)
 
 
 def test_a_sprung_floor_carries_its_water_of_particles_along(tmp_path):

@@ -15,7 +15,7 @@ import numpy as np
 
 from coupler.preflight.afloat import carries
 from coupler.preflight.held import lengthwise
-from coupler.preflight.plate import Plate, levels_before, measure_plate, plates_body
+from coupler.preflight.plate import Plate, levels_before, measure_plate, plates_body, waters_before
 from coupler.preflight.shapes import area
 from coupler.preflight.upright import Side, moving_layer, parted, upright
 from coupler.preflight.water import Water, measure_water
@@ -72,10 +72,13 @@ def _joint(scene: Scene, water: Water, plate: Plate) -> Joint:
     if upright(scene, body, water):
         depth = min(depth, water.height)
     closing = [one.name for one in scene.solid.bodies if _closes(scene, one, corners)]
-    own = plate.name in closing
-    reach = depth if own or not plate.clamps else min(depth, plate.length / math.pi)
+    own, columns = plate.name in closing, water.model == "column" and bool(plate.clamps)
+    reach = depth if own or columns or not plate.clamps else min(depth, plate.length / math.pi)
     moved, wet_frequency = 1.0, None
-    if plate.frequency is not None and sides and (plate.clamps or plate.model == "spring"):
+    if plate.frequency is not None and columns:  # each moves with its foot
+        moved += water.density * _columns(scene, body) / (plate.density * plate.thickness)
+        wet_frequency = plate.frequency / math.sqrt(moved)
+    elif plate.frequency is not None and sides and (plate.clamps or plate.model == "spring"):
         depth = max(side.height for side in sides)
         reach = 2.0 * depth / math.pi
         moved += water.density * moving_layer(scene, plate, sides) / (plate.density * plate.thickness)
@@ -98,6 +101,12 @@ def _joint(scene: Scene, water: Water, plate: Plate) -> Joint:
             moved += ROUND * water.density * disc / (plate.density * plate.thickness * plate.length)
     ratio = water.density * depth / (plate.density * plate.thinnest)
     return Joint(ratio, depth, reach, moved, wet_frequency, bool(closing), sides)
+
+
+def _columns(scene: Scene, body: Body) -> float:
+    """Length [m] of the columns on both sides of a body together."""
+    before = waters_before(scene, body, 0.0)
+    return sum(max(float(np.ptp(corners_of([one]) @ normal)) for one in waters) for normal, waters in before)
 
 
 def _in_column(water: Water, plate: Plate, closing: list[str]) -> bool:
