@@ -14,7 +14,7 @@ import numpy as np
 from shared.geometry.particles import fill
 from shared.geometry.regions import outline, own_box
 from shared.geometry.segments import right_of
-from shared.geometry.wetted_faces import wetted_stretches
+from shared.geometry.wetted_faces import load_spacing, wetted_stretches
 from shared.schema.geometry import Body
 from shared.schema.scene import Scene
 
@@ -71,7 +71,7 @@ def _of_body(scene: Scene, body: Body) -> list[Patch]:
     found = []
     for s in wetted_stretches(scene, body):
         inward = -right_of(s.along)  # the body is on the left
-        count = max(1, round((s.high - s.low) / scene.fluid.dx))
+        count = max(1, round((s.high - s.low) / load_spacing(scene)))
         cell = (s.high - s.low) / count
         feet = s.start + (s.low + (np.arange(count)[:, None] + 0.5) * cell) * s.along
         found.append(Patch(feet, cell, cell * _widths(count), _extent(body, s.side), inward, s.solid, lattice, top))

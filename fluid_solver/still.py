@@ -1,10 +1,10 @@
 """Model `still`: water that stays at rest, and the load of its weight on what it touches.
 
-Each wetted stretch of a solid's outline is a chain of nodes, the interface points, about dx apart, and goes on up to
-the end of the straight side that it stands on. A node at x carries p = ρ max(0, g·x + s), with s that of the level that
-keeps the water's volume between the faces as they are (still_level.py). Between two nodes the face is straight and p
-linear up to the level, and its force −∫ p n dl goes to both by the linear shape functions: exact for the deformed
-chain, so that load and its moment follow the interface.
+Each wetted stretch of a solid's outline is a chain of nodes, the interface points, about dx apart (two spacings of a
+solid of particles at most), and goes on up to the end of the straight side that it stands on. A node at x carries
+p = ρ max(0, g·x + s), with s that of the level that keeps the water's volume between the faces as they are
+(still_level.py). Between two nodes the face is straight and p linear up to the level, and its force −∫ p n dl goes to
+both by the linear shape functions: exact for the deformed chain, so that load and its moment follow the interface.
 Such forces alone bend a plate too much: a face w(x) lies h² w″/12 off the straight lines between nodes h apart, in the
 mean. So each link's force f takes f (w₋ − 2 w + w₊)/12 back, from the second differences at the nodes next to it; on
 chains of four links and more, which have three of them.

@@ -128,7 +128,7 @@ def test_an_automatic_window_resolves_the_swing_and_the_rows(tmp_path):
 
 def test_water_at_rest_weighs_what_it_weighs_and_shows_its_pressure():
     """The columns replace the particles of another scene by one line, and carry the same static load."""
-    scene = load_scene("hydrostatic_plate", ["fluid.model=column", "fluid.dx=0.05"])
+    scene = load_scene("hydrostatic_plate", ["fluid.model=column", "fluid.dx=0.05", "solid.model=beam"])
     model = make_model(scene, True, 1)
     described = model.describe()
     assert len(described.position) == 20

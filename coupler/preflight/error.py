@@ -70,6 +70,7 @@ from coupler.preflight.swing import RADIATES, carries_sound, dragged, late, radi
 from coupler.preflight.upright import levels_pull
 from coupler.preflight.window import GROWTH_WARN, lag_growth
 from shared.geometry.regions import axes_of, corners_of
+from shared.geometry.wetted_faces import load_spacing
 from shared.schema.fluid import PARTICLE_FLUIDS
 from shared.schema.probes import FORCES, Probe
 from shared.schema.scene import Scene
@@ -149,7 +150,7 @@ def _off_columns_level(scene: Scene, n: Numbers) -> float:
 
 
 def _at_points(scene: Scene, n: Numbers) -> float:
-    """Of what a plate bends under pressures at points, dx apart: those of its columns, or of its side in `still`."""
+    """Of what a plate bends under pressures at points: those of its columns, or of its side in `still`."""
     if n.plate is None or n.plate.model in RIGID_MODELS or not of_a_body(scene):
         return 0.0
     body, model = plates_body(scene, n.plate), n.water.model
@@ -157,7 +158,7 @@ def _at_points(scene: Scene, n: Numbers) -> float:
     if model == "column":
         along = corners_of(scene.fluid.bodies)
         length = min(length, float(np.ptp(along @ axes_of(body.rotate)[axis])))
-    points, two = max(1, round(length / n.water.dx)), int(n.plate.clamps == 2)
+    points, two = max(1, round(length / load_spacing(scene))), int(n.plate.clamps == 2)
     times, power = (AT_POINTS[model][two], 4) if points >= ENOUGH[model] else AT_FEW[two]
     return times / points**power
 
@@ -236,9 +237,6 @@ def _sounding(scene: Scene, n: Numbers) -> float:
     if n.joint is None or n.plate.frequency is None or not carries_sound(scene):
         return 0.0
     theta = late(scene, n)
-    if n.water.model == "column":
-        wet = n.plate.frequency / math.sqrt(1.0 + n.joint.mass_ratio)
-        theta = 2.0 * math.pi * wet * n.joint.depth / n.water.sound_speed
     return 0.25 * theta**2 if theta < RADIATES else UNKNOWN
 
 
