@@ -3,7 +3,7 @@
 Measured against 2-D elasticity (quadratic elements): cantilevers and plates clamped at both ends, 3 to 20 times as long
 as thick, 4 to 20 particles across, ν 0 to 0.49; x = clamps × dx/L, t thickness, L length.
 
-    of particles   give way within about a particle: (0.6 + 1.45 ν) x + 9 x² of clamped ends; (0.25 + 0.1 ν) dx/t of a
+    of particles   give way within about a particle: (0.6 + 1.45 ν) x + 9 x² of clamped ends; (0.27 + 0.1 ν) dx/t of a
                    long face, which counts as an end, x = dx/t, where water pushes along it; 1.2 dx/t where they hold a
                    part of a side (ledges of 1 to 6 particles); corners that the limbs of a frame go round count as ends
     of a beam      hold its section's width too: 0.42 ν²/(1 − ν) t/L per clamp
@@ -24,7 +24,7 @@ from shared.schema.geometry import Body
 from shared.schema.scene import Scene
 
 SLIP = (0.6, 1.45, 9.0)
-FLAT = (0.25, 0.1)
+FLAT = (0.27, 0.1)
 PART = 1.2
 ALONG = 0.7  # cosine to a face's normal below which a way is along it
 WIDTH = 0.42

@@ -45,7 +45,7 @@ from coupler.preflight.finding import STEADY
 from coupler.preflight.held import FACES_OF_AXIS, damping_drag, held_sides, lengthwise
 from coupler.preflight.numbers import Numbers
 from coupler.preflight.plate import Plate, goals_probe, goals_quantity, of_a_body, plates_body
-from coupler.preflight.pressed import law_error
+from coupler.preflight.pressed import law_error, with_law
 from coupler.preflight.shapes import FEW, excess, excess_of_inertia
 from coupler.preflight.swing import swing
 from shared.geometry.limbs import bearing, limbs
@@ -112,15 +112,15 @@ def of_structure(scene: Scene, n: Numbers) -> float:
         bound += abs(bearing(plates_body(scene, plate), solid.dx))
         bound += ASIDE / plate.across if goals_quantity(scene) in STRESSES and not _axial(scene, plate) else 0.0
     bound *= (0.5 if what in TIMES else SHORTENED if _shortens(scene, plate) else 1.0) / min(1.0 - plate.squeeze, 1.0)
-    bound += _of_law(scene, plate)
+    bound = _with_law(scene, plate, bound)
     bound += _stepped(scene, plate) if what in (*TIMES, *PEAKS) else 0.0
     return bound + filled + sudden_error(scene, plate) + seen_late
 
 
-def _of_law(scene: Scene, plate: Plate) -> float:
-    """What the law of a model makes of a strain along a body; of a stress, the area that it acts on."""
+def _with_law(scene: Scene, plate: Plate, error: float) -> float:
+    """An error, with what the law of a model makes of a strain along a body; of a stress, the area that it acts on."""
     strain = (2.0 if scene.goal.statistic in PEAKS else 1.0) * plate.strain
-    return abs(strain) if goals_quantity(scene) in STRESSES else law_error(plate.model, strain)
+    return error + abs(strain) if goals_quantity(scene) in STRESSES else with_law(plate.model, strain, error)
 
 
 def _beside_bending(scene: Scene, plate: Plate) -> float:
@@ -219,7 +219,7 @@ def not_bounded(scene: Scene, n: Numbers) -> str:
         return f"solid.damping drags what its clamps carry by {drag:.2g} of its weight and inertia"
     if n.plate.squeeze >= 1.0:
         return f"pressed by {n.plate.squeeze:.3g} of Euler's load it buckles, and small differences decide how far"
-    if math.inf in (law_error(n.plate.model, n.plate.strain), _of_law(scene, n.plate)):
+    if math.inf in (law_error(n.plate.model, n.plate.strain), _with_law(scene, n.plate, 0.0)):
         return (
             f"pressed by {-n.plate.strain:.2g} of its modulus it may give way: St. Venant-Kirchhoff's law is soft there"
         )

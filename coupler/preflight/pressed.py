@@ -4,7 +4,8 @@ A load's stress over the modulus is s, below 0 where it presses; along a body th
 E/(1 − ν²), over one that a long face holds λ + 2μ. The laws are one for small s alone:
 
     total-lagrangian   St. Venant-Kirchhoff, s = λ(λ² − 1)/2 of a stretch λ: soft when pressed (10 % at s = −0.06, 43 %
-                       at −0.15); it bears 1/(3√3) = 0.192 at most, 4/27 = 0.148 of what comes at once
+                       at −0.15), and s by what errs besides; it bears 1/(3√3) = 0.192 at most, 4/27 = 0.148 of what
+                       comes at once
     ctvf               stress by the rate of strain, as ln λ: stiff when pressed, up to s of itself     beds of gel
     beam               linear; against the first 1.5 s
 """
@@ -24,6 +25,7 @@ from shared.schema.scene import Scene
 from shared.schema.solid import RIGID_MODELS
 
 MOST, AT_ONCE = 1.0 / (3.0 * math.sqrt(3.0)), 4.0 / 27.0
+_BEFORE = 1.0 - 1e-9  # of what gives way
 _LAW = {"ctvf": 1.0, "beam": 1.5}
 
 
@@ -33,10 +35,22 @@ def law_error(model: str, strain: float) -> float:
         return _LAW.get(model, 0.0) * abs(strain)
     if strain <= -AT_ONCE:
         return math.inf
-    third = 3.0 * math.sqrt(3.0) * strain  # of λ³ − λ = 2 s, the root that is 1 without a load
+    stretch = _stretch(strain)
+    return abs(2.0 / (stretch * (1.0 + stretch)) - 1.0)  # (stretch − 1) over strain, of a strain of 0 too
+
+
+def with_law(model: str, strain: float, error: float) -> float:
+    """An `error` beside a linear `strain`, and what the law makes of both: where it is soft, more of either."""
+    if model != "total-lagrangian" or not -AT_ONCE < strain < 0.0:
+        return error + law_error(model, strain)
+    return (1.0 + error) * (1.0 + law_error(model, max(strain * (1.0 + error), _BEFORE * -AT_ONCE))) - 1.0
+
+
+def _stretch(strain: float) -> float:
+    """The root λ of λ³ − λ = 2 s that is 1 without a load."""
+    third = 3.0 * math.sqrt(3.0) * strain
     turned = math.cos(math.acos(third) / 3.0) if third <= 1.0 else math.cosh(math.acosh(third) / 3.0)
-    stretched = 2.0 / math.sqrt(3.0) * turned - 1.0
-    return abs(2.0 / ((1.0 + stretched) * (2.0 + stretched)) - 1.0)  # stretched over strain, of a strain of 0 too
+    return 2.0 / math.sqrt(3.0) * turned
 
 
 def strain_along(scene: Scene, body: Body, water: Water | None, wet: int) -> float:
