@@ -6,11 +6,11 @@ import math
 
 import numpy as np
 
+from coupler.preflight.gravity import across_and_up, upward
 from coupler.preflight.held import lengthwise
-from coupler.preflight.shapes import area, upward
+from coupler.preflight.shapes import area
 from coupler.preflight.water import UPWARD, edge_samples
 from shared.geometry.regions import area_below, contains, corners_of, outline
-from shared.geometry.segments import right_of
 from shared.schema.geometry import Body
 from shared.schema.scene import Scene
 
@@ -50,7 +50,7 @@ def to_equilibrium(scene: Scene, body: Body) -> float:
     balance, by the width of its waterline at the start; the water's level moves along."""
     g = math.hypot(*scene.gravity)
     up = upward(scene)
-    sides, level = outline(body) @ _frame(up), _level(scene, up)
+    sides, level = outline(body) @ across_and_up(up), _level(scene, up)
     rho, own = scene.fluid.density, [load for load in scene.solid.loads if load.body == body.name and load.acceleration]
     push = float(sum(np.dot(load.acceleration, up) for load in own))
     weight = scene.solid.density * area(body) * ((g if scene.solid.gravity else 0.0) - push)
@@ -67,17 +67,12 @@ def buoyant_stiffness(scene: Scene, body: Body) -> float:
     if g == 0.0 or carries(scene, body):
         return 0.0
     up = upward(scene)
-    sides, level = outline(body) @ _frame(up), _level(scene, up)
+    sides, level = outline(body) @ across_and_up(up), _level(scene, up)
     if level - sides[..., 1].min() <= _ROUNDING * np.ptp(sides[..., 1]):
         return 0.0
     wide = _width(sides, level)
-    tank = float(np.ptp(corners_of(scene.fluid.bodies) @ _frame(up)[:, 0]))
+    tank = float(np.ptp(corners_of(scene.fluid.bodies) @ across_and_up(up)[:, 0]))
     return scene.fluid.density * g * wide / max(1.0 - wide / tank, 1e-9)
-
-
-def _frame(up: np.ndarray) -> np.ndarray:
-    """Directions (2, 2) across gravity and against it, as columns."""
-    return np.stack([right_of(up), up], axis=1)
 
 
 def _level(scene: Scene, up: np.ndarray) -> float:

@@ -16,10 +16,10 @@ from __future__ import annotations
 
 import math
 
-from coupler.preflight.held import FACES_OF_AXIS, held_in_part, held_sides, lengthwise
+from coupler.preflight.held import FACES_OF_AXIS, held_in_part, held_sides, lengthwise, normal_of
 from coupler.preflight.plate import Plate, goals_probe, plates_body
 from shared.geometry.limbs import limbs
-from shared.geometry.regions import axes_of, own_box, turn
+from shared.geometry.regions import own_box, turn
 from shared.schema.geometry import Body
 from shared.schema.scene import Scene
 
@@ -51,7 +51,7 @@ def _sheared(scene: Scene, plate: Plate, body: Body) -> bool:
     if scene.fluid is None or probe is None or probe.body != plate.name:
         return False
     way = {"displacement-x": 0, "displacement-y": 1}.get(probe.quantity)
-    return way is not None and abs(axes_of(body.rotate)[1 - lengthwise(body)[0]][way]) < ALONG
+    return way is not None and abs(normal_of(body)[way]) < ALONG
 
 
 def clamps_width(scene: Scene, plate: Plate) -> float:

@@ -14,11 +14,12 @@ import math
 import numpy as np
 
 from coupler.preflight.finding import of_particles
-from coupler.preflight.held import largest_factor, lengthwise
+from coupler.preflight.gravity import upward
+from coupler.preflight.held import largest_factor, normal_of
 from coupler.preflight.numbers import Numbers
 from coupler.preflight.plate import STATIC_FACTOR, goals_quantity, levels_before, of_a_body, plates_body
-from coupler.preflight.shapes import area, upward
-from shared.geometry.regions import axes_of, outline
+from coupler.preflight.shapes import area
+from shared.geometry.regions import outline
 from shared.geometry.segments import right_of
 from shared.schema.probes import FORCES
 from shared.schema.scene import Scene
@@ -60,7 +61,7 @@ def _held_along(scene: Scene, n: Numbers) -> tuple[np.ndarray, float]:
         axis = axes.get(quantity.rpartition("-")[2], int(np.argmax(np.abs(scene.gravity))))
         return np.eye(2)[axis], scene.solid.spring.stiffness[axis]
     body = plates_body(scene, plate)
-    normal = axes_of(body.rotate)[1 - lengthwise(body)[0]]
+    normal = normal_of(body)
     held = STATIC_FACTOR.get(plate.clamps, 0.0) * plate.stiffness / plate.length**3
     return normal, held
 

@@ -72,7 +72,7 @@ def _stirred(scene: Scene, n: Numbers, shaker: Shaker) -> float:
 def _dragged(n: Numbers, shaker: Shaker) -> float:
     if not shaker.structure or shaker.rate == 0.0:
         return 0.0
-    layer = math.sqrt(2.0 * n.water.artificial / shaker.rate)
+    layer = n.water.dragged_layer(shaker.rate)
     return math.hypot(1.0, LAYERS * layer / float(np.ptp(shaker.points, axis=0).max())) - 1.0
 
 

@@ -37,6 +37,11 @@ def lengthwise(body: Body) -> tuple[int, float, float]:
     return axis, float(extent[1 - axis]), float(extent[axis])
 
 
+def normal_of(body: Body) -> np.ndarray:
+    """Unit normal (2,) of a body's long faces."""
+    return axes_of(body.rotate)[1 - lengthwise(body)[0]]
+
+
 def slender(scene: Scene, body: Body) -> tuple[float, float]:
     """Thickness and length [m] of a body as it bends: of its limbs where it is elastic and made of them."""
     found = None if scene.solid.model in RIGID_MODELS else limbs(body)

@@ -14,7 +14,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from coupler.preflight.afloat import carries
-from coupler.preflight.held import lengthwise
+from coupler.preflight.held import lengthwise, normal_of
 from coupler.preflight.plate import Plate, levels_before, measure_plate, plates_body, waters_before
 from coupler.preflight.shapes import area
 from coupler.preflight.upright import Side, moving_layer, parted, upright
@@ -65,7 +65,7 @@ def scene_numbers(scene: Scene) -> Numbers:
 
 def _joint(scene: Scene, water: Water, plate: Plate) -> Joint:
     body = plates_body(scene, plate)
-    normal = axes_of(body.rotate)[1 - lengthwise(body)[0]]
+    normal = normal_of(body)
     corners = corners_of(scene.fluid.bodies)
     depth = float(np.ptp(corners @ normal))
     sides = parted(scene, body, water)

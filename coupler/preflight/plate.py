@@ -8,6 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from coupler.preflight.afloat import buoyant_stiffness
+from coupler.preflight.gravity import upward
 from coupler.preflight.held import (
     FACES_OF_AXIS,
     bending_frequency,
@@ -15,16 +16,17 @@ from coupler.preflight.held import (
     held_ends,
     largest_factor,
     lengthwise,
+    normal_of,
     pushed_along,
     slender,
     squeezed,
     swing_frequency,
 )
 from coupler.preflight.pressed import strain_along
-from coupler.preflight.shapes import area, upward
+from coupler.preflight.shapes import area
 from coupler.preflight.water import UPWARD, Water, edge_samples
 from shared.elasticity import wave_speed
-from shared.geometry.regions import axes_of, contains, outline, own_size
+from shared.geometry.regions import contains, outline, own_size
 from shared.scene.sides import is_solids
 from shared.schema.fluid import FluidBody
 from shared.schema.geometry import Body
@@ -118,13 +120,12 @@ def measure_plate(scene: Scene, water: Water | None) -> Plate:
     damping = solid.damping
     if solid.model == "spring":
         frequency, damping = _sprung(scene, body)
-    axes = axes_of(body.rotate)
     strain = strain_along(scene, body, water, len(levels))
     along = elastic and pushed_along(scene, body, axis)
     if along and ends:
         deflection = abs(strain) * length
     elif elastic and ends:
-        uniform, tip = _load(scene, body, axes[1 - axis], water, levels)
+        uniform, tip = _load(scene, body, normal_of(body), water, levels)
         bending = uniform * length / STATIC_FACTOR[ends] + (tip / TIP_FACTOR if ends == 1 else 0.0)
         deflection = abs(bending) * length**3 / stiffness
     return Plate(
@@ -207,7 +208,7 @@ def waters_before(scene: Scene, body: Body, least: float = _WET) -> list[tuple[n
     t = 0, and that water."""
     dx = scene.fluid.dx
     middle, outward = edge_samples([body], dx)
-    normal = axes_of(body.rotate)[1 - lengthwise(body)[0]]
+    normal = normal_of(body)
     found = []
     for sense in (-1.0, 1.0):
         points = (middle + dx * outward)[outward @ normal * sense > UPWARD]

@@ -12,12 +12,12 @@ import numpy as np
 from scipy.signal import cont2discrete, lfilter
 
 from coupler.preflight.error_sudden import PEAKS
-from coupler.preflight.held import lengthwise
+from coupler.preflight.held import normal_of
 from coupler.preflight.numbers import Numbers
 from coupler.preflight.plate import plates_body
 from coupler.preflight.swing import swing
 from shared.geometry.motion_table import MotionTable
-from shared.geometry.regions import axes_of, own_box, turn
+from shared.geometry.regions import own_box, turn
 from shared.schema.scene import Scene
 
 RESONANCE = "resonance with a time table"
@@ -54,7 +54,7 @@ def resonance(scene: Scene, n: Numbers, error: float) -> float:
 def _way(scene: Scene, n: Numbers, motion: MotionTable, time: np.ndarray) -> np.ndarray:
     """How far a clamp carries the middle of the plate across it [m]."""
     body = plates_body(scene, n.plate)
-    across = axes_of(body.rotate)[1 - lengthwise(body)[0]]
+    across = normal_of(body)
     x, y = turn(np.mean(own_box(body), axis=0), body.rotate) - motion.about
     return motion.displacements(time) @ np.array([*across, across @ (-y, x)])
 

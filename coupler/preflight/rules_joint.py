@@ -8,7 +8,7 @@ from coupler.preflight.error_lattice import MANY_NEIGHBOURS, lattice_hold
 from coupler.preflight.finding import COLUMN, STEADY, Finding, above, below, graded, of_particles
 from coupler.preflight.numbers import Numbers
 from coupler.preflight.swing import RADIATES, carries_sound, dragged, sounding
-from coupler.preflight.window import GROWTH_WARN, expected_plan, expected_window, lag_growth
+from coupler.preflight.window import GROWTH_WARN, expected_plan, expected_window, lag_growth, window_alpha
 from coupler.stability.theory import incompressible, largest_stable
 from coupler.window import largest_alpha
 from shared.geometry.thin_bodies import thin_bodies
@@ -102,7 +102,7 @@ def window_number(scene: Scene, n: Numbers) -> Finding | None:
     window = expected_window(scene, n)
     if window is None or not carries_sound(scene) or n.plate.model == "rigid":
         return None
-    value = n.water.density * n.water.sound_speed * window / (n.plate.density * n.plate.thinnest)
+    value = window_alpha(n, window)
     reason = f"window {window:.3g} s"
     asked = expected_plan(scene, n).scheme
     if asked.endswith("implicit"):

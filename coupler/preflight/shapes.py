@@ -1,5 +1,5 @@
 """Areas of a scene's shapes and what particles fill of them, worked out once: pre-flight looks at the same shapes a
-hundred times. And which way is up."""
+hundred times."""
 
 from __future__ import annotations
 
@@ -11,7 +11,6 @@ from shared.geometry import regions
 from shared.geometry.particles import fill
 from shared.geometry.regions import Same, outline_own, own_size
 from shared.schema.geometry import Shape
-from shared.schema.scene import Scene
 
 _SLANT = 1e-6  # of dx: a face that leaves its line by less lies along it
 CROWDED = 0.03  # of the rows in a gap: water at rest is stirred at 0.067, and its forces swing by twice themselves
@@ -81,9 +80,3 @@ def crowding(shape: Shape, dx: float) -> float:
     """By how much the rows of particles between two neighbouring faces along a shape's lattice are too many or too few
     for their distance, over it: where it is most."""
     return 0.0 if shape.rectangle is not None else _crowding(Same(shape), dx)
-
-
-def upward(scene: Scene) -> np.ndarray:
-    """Direction (2,) against gravity; none without."""
-    g = np.asarray(scene.gravity, dtype=float)
-    return -g / np.hypot(*g) if g.any() else np.zeros(2)

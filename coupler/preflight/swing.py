@@ -92,12 +92,12 @@ def radiates(scene: Scene, n: Numbers) -> bool:
 
 
 def dragged(scene: Scene, n: Numbers) -> float:
-    """Depth of the layer of water that artificial viscosity drags along with a plate that it flows round, √(2 ν/ω) with
-    ν = α h c0/8, over the plate's length; 0 of water that moves along as a column."""
+    """Depth of the layer of water that artificial viscosity drags along with a plate that it flows round, over the
+    plate's length; 0 of water that moves along as a column."""
     swings = n.joint is not None and n.joint.wet_frequency is not None and n.plate.clamps
     if not swings or not of_particles(n) or not n.water.rests or n.joint.closes:
         return 0.0
-    return math.sqrt(n.water.artificial / (math.pi * n.joint.wet_frequency)) / n.plate.length
+    return n.water.dragged_layer(2.0 * math.pi * n.joint.wet_frequency) / n.plate.length
 
 
 def carries_sound(scene: Scene) -> bool:

@@ -16,9 +16,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from coupler.preflight.held import FACES_OF_AXIS, held_sides, lengthwise
+from coupler.preflight.gravity import upward
+from coupler.preflight.held import FACES_OF_AXIS, held_sides, lengthwise, normal_of
 from coupler.preflight.plate import STATIC_FACTOR, Plate, plates_body, waters_before
-from coupler.preflight.shapes import upward
 from coupler.preflight.water import UPWARD, Water
 from shared.geometry.regions import axes_of, corners_of
 from shared.schema.geometry import Body
@@ -40,7 +40,7 @@ class Side:
 
 def upright(scene: Scene, body: Body, water: Water) -> bool:
     """Whether a body stands upright in water that has a surface."""
-    across = abs(float(axes_of(body.rotate)[1 - lengthwise(body)[0]] @ upward(scene)))
+    across = abs(float(normal_of(body) @ upward(scene)))
     return any(scene.gravity) and across < UPWARD and (water.waves or (water.rests and not water.boxed))
 
 
@@ -91,7 +91,7 @@ def levels_pull(scene: Scene, plate: Plate, sides: list[Side]) -> float:
     weight = scene.fluid.density * math.hypot(*scene.gravity)
     if plate.model == "spring":
         body = plates_body(scene, plate)
-        normal = axes_of(body.rotate)[1 - lengthwise(body)[0]]
+        normal = normal_of(body)
         held = float(normal**2 @ np.asarray(scene.solid.spring.stiffness[:2]))
         return weight * sum(side.height**2 / side.length for side in sides) / held if held > 0.0 else math.inf
     if not plate.clamps:

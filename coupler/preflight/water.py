@@ -7,11 +7,12 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from coupler.preflight.shapes import area, upward
+from coupler.preflight.gravity import across_and_up, upward
+from coupler.preflight.shapes import area
 from shared.expected_speed import drifts, driven_speed, expected_speed, sound_speed, start_speed
 from shared.fluid_step import COURANT, fluid_step
 from shared.geometry.regions import contains, corners_of, distance_to, outline
-from shared.geometry.segments import lengths, right_of
+from shared.geometry.segments import lengths
 from shared.geometry.thin_walls import points_along
 from shared.geometry.wall_chains import segments_of
 from shared.geometry.wall_speeds import lasting_faces
@@ -53,6 +54,10 @@ class Water:
     pulled: bool
     free: bool
     bottomless: float  # share of its lower faces with nothing below
+
+    def dragged_layer(self, omega: float) -> float:
+        """Depth √(2 ν/ω) [m] of the layer that artificial viscosity drags along with what swings at `omega` [rad/s]."""
+        return math.sqrt(2.0 * self.artificial / omega)
 
 
 def measure_water(scene: Scene) -> Water:
@@ -166,7 +171,7 @@ def bottomless(scene: Scene) -> float:
     if not g.any() or g[_periods(scene)].any():
         return 0.0
     up = upward(scene)
-    frame = np.stack([right_of(up), up], axis=1)  # across gravity, and against it
+    frame = across_and_up(up)
     dx = scene.fluid.dx
     middle, outward = edge_samples(scene.fluid.bodies, dx)
     low = middle[outward @ up < -UPWARD] @ frame

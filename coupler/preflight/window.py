@@ -54,6 +54,11 @@ def expected_window(scene: Scene, n: Numbers) -> float | None:
     return None if plan is None else min(plan.window, scene.end_time)
 
 
+def window_alpha(n: Numbers, window: float) -> float:
+    """α = ρ_f c0 Δt/(ρ_s t) of a `window` [s]: how far sound lets a lagged load run ahead; t of the thinnest body."""
+    return n.water.density * n.water.sound_speed * window / (n.plate.density * n.plate.thinnest)
+
+
 def lag_growth(scene: Scene, n: Numbers) -> float:
     """Logarithm of how many times as large lagged exchange makes the worst swing of a structure on columns until the
     run's end, from a pulse that grows each time that it comes back. 0 for other fluids, and where windows are iterated;
@@ -64,7 +69,7 @@ def lag_growth(scene: Scene, n: Numbers) -> float:
     if plan.scheme.endswith("implicit"):
         return 0.0
     order, sound, column = scene.coupling.predictor, n.water.sound_speed, scene.fluid.column
-    alpha = n.water.density * sound * plan.window / (n.plate.density * n.plate.thinnest)
+    alpha = window_alpha(n, plan.window)
     if growth(acoustic(alpha, order, scheme=plan.scheme)) > 1.0 + _ROUND:
         return math.inf
     gain = column.reflection * echo_gain(alpha, order, plan.scheme)
