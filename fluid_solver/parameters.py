@@ -9,10 +9,12 @@ from typing import NamedTuple
 import numpy as np
 
 from shared.fluid_step import COURANT, LARGEST_COURANT
-from shared.kernels import Kernel, evaluate, f_scale, w_scale
+from shared.kernels import Kernel, evaluate, f_scale, kernel_named, w_scale
 from shared.schema.fluid import Fluid
 from shared.schema.scene import Scene
 
+CONTACT = 0.75  # of dx: less than the distance from a wall's face, between two ghosts, to either
+STIFFNESS = 0.2  # of ρ0 c0²: pressure of a closed gap with few neighbours; stops a drop at 0.4 c0
 PAIRING = 0.2  # R of Sun et al. (2019): weight of the term against pairing
 EDAC_ALPHA = 0.5  # ν_e = EDAC_ALPHA h c0/8 (Ramachandran & Puri 2019)
 _WEAKEST = {"limited": -0.01, "none": 0.0, "free": -math.inf}
@@ -37,6 +39,7 @@ class Parameters(NamedTuple):
     slope: float  # F over the kernel's f_shape [1/m⁴], times gradient_factor
     pairing: float  # W over the kernel's w_shape, over W at the distance dx, times PAIRING^¼
     weakest: float  # lowest pressure, the tension that is kept [Pa]; −∞ for any
+    closed: float  # pressure of a closed gap between fluid and a ghost [Pa]
     filled: float = 0.0  # 1 for fluid that is shifted and fills its room, with no free surface
 
 
@@ -49,6 +52,7 @@ def parameters(scene: Scene, kernel: Kernel, c0: float) -> Parameters:
         h, fluid.dx, kernel.support * h, fluid.density, c0, fluid.alpha, fluid.viscosity, EDAC_ALPHA * h * c0 / 8.0,
         gx, gy, slope_of(kernel, h, fluid.dx), pairing_of(kernel, h, fluid.dx),
         _WEAKEST[fluid.negative_pressure] * fluid.density * c0**2,
+        closed_of(kernel, fluid.h_over_dx) * fluid.density * c0**2,
     )  # fmt: skip
     return Parameters(*(float(value) for value in values))
 
@@ -61,6 +65,14 @@ def slope_of(kernel: Kernel, h: float, dx: float) -> float:
 def pairing_of(kernel: Kernel, h: float, dx: float) -> float:
     """The factor on the shape of W whose fourth power is PAIRING (W/W(dx))⁴."""
     return PAIRING**0.25 * w_scale(kernel.code, h) / evaluate(kernel, np.array([dx]), h)[0][0]
+
+
+def closed_of(kernel: Kernel, h_over_dx: float) -> float:
+    """Pressure of a closed gap over ρ0 c0²: half-way through it a ghost pushes one particle, by F, no less than with
+    the softest of few neighbours, the quintic spline with h = dx."""
+    half = np.array([0.5 * CONTACT])
+    softest = evaluate(kernel_named("quintic-spline"), half, 1.0)[1][0]
+    return STIFFNESS * max(1.0, softest / evaluate(kernel, half, h_over_dx)[1][0])
 
 
 def gradient_factor(kernel: Kernel, h_over_dx: float) -> float:

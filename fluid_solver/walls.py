@@ -6,7 +6,9 @@ follows from it by the equation of state while its volume stays the lattice's, s
 
 Density keeps no memory of place, so a lone drop of spray could creep into a wall at no pressure. Hence a floor: a
 ghost that fluid has come closer to than `CONTACT` carries at least a pressure that grows as the gap closes. Fluid in
-bulk never comes so close.
+bulk never comes so close, but in splashes and where tension draws it to a corner. A ghost's push on one particle is as
+weak as the kernel is wide, and the floor as much higher (parameters.closed_of): with h = 2 dx particles got into floors
+and rafts.
 
 Velocity: the fluid's, mirrored at the wall, u_s = ũ − 2 n n·(ũ − u_wall), or 2 u_wall − ũ where it sticks. It enters
 the rate of pressure, ∇u and the laminar viscosity. With the wall's own velocity there (Adami et al. 2012), the layer
@@ -43,13 +45,12 @@ from fluid_solver.fields import (
 )
 from fluid_solver.forces import pair_force
 from fluid_solver.gather import gather, next_stretch, run_of
+from fluid_solver.parameters import CONTACT
 from shared.jit import inline_njit, parallel_njit
 from shared.kernels import f_shape, kernel_w
 
 _ROWS = (X, Y, U, V, M, VOL, PR2, P, RHO)
 _ROWS_VELOCITY = (X, Y, U, V)
-CONTACT = 0.75  # of dx: less than the distance from a wall's face, between two ghosts, to either
-STIFFNESS = 0.2  # of ρ0 c0²: pressure of a closed gap; stops a drop at 0.4 c0
 _LEAST_WEIGHT = 1.0e-6  # Σ V W below which a ghost sees no fluid
 
 
@@ -161,7 +162,7 @@ def extrapolate(S, kernel, a, lo, hi, b, c):
         p = (p_sum + (c.gx - S[AX, a]) * x_sum + (c.gy - S[AY, a]) * y_sum) / total
     gap = math.sqrt(nearest) / (CONTACT * c.dx)
     if gap < 1.0:
-        p = max(p, STIFFNESS * c.rho0 * c.c0 * c.c0 * (1.0 - gap))
+        p = max(p, c.closed * (1.0 - gap))
     rho = c.rho0 + p / (c.c0 * c.c0)
     S[P, a] = p
     S[RHO, a] = rho

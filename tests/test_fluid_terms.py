@@ -26,7 +26,7 @@ def numbers(**changed) -> Parameters:
     given = {
         "h": h, "dx": DX, "support": KERNEL.support * h, "rho0": RHO0, "c0": C0, "alpha": 0.0, "nu": 0.0,
         "nu_edac": 0.0, "gx": 0.0, "gy": 0.0, "slope": slope_of(KERNEL, h, DX),
-        "pairing": pairing_of(KERNEL, h, DX), "weakest": -np.inf,
+        "pairing": pairing_of(KERNEL, h, DX), "weakest": -np.inf, "closed": 0.0,
     }  # fmt: skip
     return Parameters(**(given | changed))
 
