@@ -128,6 +128,7 @@ def _add_force(force, pair, S, p, count):
 
 @ordered_njit
 def linear_forces(chunk, blocks, S, code, h, viscosity):
+    """Accelerations of one chunk of blocks by the stress that `linear_stress` left; `viscosity`: α h c [m²/s]."""
     own, pair, force = np.empty(OWN_SIZE), np.empty(PAIR_SIZE), np.empty(2 * RUN)
     for n in range(chunk * CHUNK, min(blocks.start.size, (chunk + 1) * CHUNK)):
         s, count = blocks.start[n], blocks.count[n]

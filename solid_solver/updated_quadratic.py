@@ -107,6 +107,7 @@ def _add_viscosity(force, pair, count):
 
 @ordered_njit
 def quadratic_forces(chunk, blocks, S, code, h, viscosity):
+    """Accelerations of one chunk of blocks by the stress that `quadratic_stress` left; `viscosity`: α h c [m²/s]."""
     own, pair, force = np.empty(OWN_SIZE), np.empty(PAIR_SIZE), np.empty(2 * RUN)
     fx, fy = force[:RUN], force[RUN:]
     for n in range(chunk * CHUNK, min(blocks.start.size, (chunk + 1) * CHUNK)):

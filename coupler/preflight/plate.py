@@ -104,6 +104,7 @@ def of_a_body(scene: Scene) -> bool:
 
 
 def measure_plate(scene: Scene, water: Water | None) -> Plate:
+    """The plate of a scene with a structure, beside its `water` if there is any."""
     solid, probe = scene.solid, goals_probe(scene)
     thinnest = min(solid.bodies, key=lambda one: slender(scene, one)[0])
     asked = (one for one in solid.bodies if probe is not None and one.name == probe.body)

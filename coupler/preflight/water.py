@@ -61,6 +61,7 @@ class Water:
 
 
 def measure_water(scene: Scene) -> Water:
+    """The water of a scene with a fluid."""
     fluid = scene.fluid
     g = math.hypot(*scene.gravity)
     corners = corners_of(fluid.bodies)

@@ -24,8 +24,6 @@ from shared.run.vtkhdf import read_frame
 from shared.schema.fluid import Wall
 from shared.schema.scene import Scene
 
-__all__ = ["draw_last_frame", "draw_pictures", "draw_probes"]
-
 _LONGEST_IN, _TALLEST_IN = 6.5, 6.5  # of the axes
 _LEFT_IN, _BOTTOM_IN, _TOP_IN, _RIGHT_IN = 0.75, 0.6, 0.5, 0.25
 _BAR_IN, _BAR_STEP_IN, _LEAST_BAR_IN = 0.14, 0.85, 1.8
