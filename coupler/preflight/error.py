@@ -19,6 +19,7 @@ worst found; dx spacing of the fluid. The structure's part, and what its swing a
     water at rest      dx/H (ctvf), 3 dx/H (wcsph), a tenth with h = 2 dx  still_tank, soft_plate, hydrostatic_plate
                        times buoyancy over what it leaves of the weight of a plate under water
     its surface        besides, over its height above the gauge: g H²/(2 c0²), and 0.05 dx; no bound for a gauge at it
+    its push on walls  besides, what settled water that walls cover has too much of mass, g z/c0²  a tank that narrows
     its push sideways  besides, 2 g H/(3 c0²): settled water stands lower at the same pressure below
     its pressure at z  besides, over z: the level of settled water, g (H² − z²)/(2 c0²) lower, 0.05 dx more with less
                        than h = 2 dx, and 0.09 R (1 − z/R)² of a sensor of reach R > z
@@ -68,6 +69,7 @@ from coupler.preflight.resonance import RESONANCE, resonance
 from coupler.preflight.shapes import CROWDED, crowding
 from coupler.preflight.swing import RADIATES, carries_sound, dragged, late, radiates
 from coupler.preflight.upright import levels_pull
+from coupler.preflight.water import covered
 from coupler.preflight.window import GROWTH_WARN, lag_growth
 from shared.geometry.regions import axes_of, corners_of
 from shared.geometry.wetted_faces import load_spacing
@@ -181,6 +183,8 @@ def _at_rest(scene: Scene, n: Numbers, floats: bool) -> float:
         error += _near_surface(scene, n, probe)
     if probe is not None and probe.quantity == "elevation":
         error += off_level(scene, n, probe, SAG) or UNKNOWN
+    if goals_quantity(scene) in FORCES and probe.body in [wall.name for wall in scene.walls]:
+        error += math.hypot(*scene.gravity) * covered(scene) / water.sound_speed**2
     if _across(scene):
         error += 2.0 * math.hypot(*scene.gravity) * water.height / (3.0 * water.sound_speed**2)
     if not steady:

@@ -21,6 +21,7 @@ from shared.schema.scene import Scene
 
 _BACKED = 0.75  # of dx: a wall or body this close behind the water's face holds it
 LEVEL = 0.01  # of dx: a surface that slopes less is level
+_COLUMNS = 100  # of a body, in which it is looked what covers it
 _MOMENTS = 50  # at which it is looked whether something is in the way of water that falls
 UPWARD = 0.7  # cosine against gravity beyond which a face of the water is its free surface
 
@@ -186,6 +187,22 @@ def bottomless(scene: Scene) -> float:
     own = len(faces) - sum(len(outline(body)) for body in scene.fluid.bodies)  # water's faces come last
     reach = np.where(np.arange(len(faces)) < own, _BACKED * dx, -_BACKED * dx)  # its own is no face below itself
     return float(np.mean(~np.any(above & (height < low[:, None, 1] + reach), axis=1))) if len(low) else 0.0
+
+
+def covered(scene: Scene) -> float:
+    """Depth [m] below the level of its body, integrated over the water that faces keep from rising to it, over the
+    area of all water: settled water that can not stand lower is more by as much, times g/c0²."""
+    up, depths = upward(scene), 0.0
+    for body in scene.fluid.bodies:
+        ends = outline(body) @ np.stack([right_of(up), up], axis=1)
+        (left, _), (right, level) = ends.min(axis=(0, 1)), ends.max(axis=(0, 1))
+        wide = (right - left) / _COLUMNS
+        for x in left + wide * (np.arange(_COLUMNS) + 0.5):
+            (x0, z0), (x1, z1) = np.moveaxis(ends[(ends[:, :, 0] < x).sum(axis=1) == 1], 0, -1)
+            z = np.sort(z0 + (x - x0) / (x1 - x0) * (z1 - z0))
+            low, high = level - z[::2], level - z[1::2]  # depths
+            depths += 0.5 * wide * float(np.sum((low**2 - high**2)[high > LEVEL * scene.fluid.dx]))
+    return float(depths / sum(area(body) for body in scene.fluid.bodies))
 
 
 def edge_samples(bodies, dx: float) -> tuple[np.ndarray, np.ndarray]:
