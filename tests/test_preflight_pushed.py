@@ -143,6 +143,14 @@ def test_a_clamp_gives_way_more_where_the_law_is_soft(tmp_path, modulus, poisson
     assert error <= of_structure(scene, n) <= 4.0 * error
 
 
+def test_two_clamps_bear_half_of_a_weight_each(tmp_path):
+    """Of a bar that its weight pushes along its length; its strain was counted twice."""
+    weight = ("solid.loads=[]", "gravity=[9.81, 0.0]")
+    one, two = (numbers(tmp_path, *held, *weight)[1].plate for held in (AT_ONE_END, ()))
+    assert (one.clamps, two.clamps) == (1, 2)
+    assert two.strain == pytest.approx(0.5 * one.strain)
+
+
 def test_the_law_of_a_model_makes_nothing_of_what_rounding_presses(tmp_path):
     """A plate on edge that is turned to lie: its weight along it is 1e-16 of it, and no bound was left."""
     assert law_error("total-lagrangian", 6e-23) < 1e-12

@@ -67,7 +67,7 @@ def strain_along(scene: Scene, body: Body, water: Water | None, wet: int) -> flo
         modulus = lam + 2.0 * mu
     held = [side for side in sides if side in FACES_OF_AXIS[axis]]
     outward = axes_of(body.rotate)[axis] * (-1.0 if held == [FACES_OF_AXIS[axis][1]] else 1.0)
-    length, g = float(own_size(body)[axis]), np.asarray(scene.gravity)
+    length, g = float(own_size(body)[axis]) / max(len(held), 1), np.asarray(scene.gravity)  # two ends bear half each
     stress = float(g @ outward) * solid.density * length if solid.gravity else 0.0
     for one in (one for one in solid.loads if one.body == body.name):
         push = float(np.dot(one.traction or one.acceleration, outward)) * largest_factor(one)
