@@ -389,6 +389,9 @@ def test_what_walls_cover_of_settled_water_is_too_much_of_it(tmp_path):
     ]
     scene = scene_of(TANK, tmp_path, vessel)
     assert 0.0024 <= bound_of(scene) <= 4.0 * 0.0024
-    wider = "fluid.bodies=[{ name = 'water', polygon = [[0.1, 0.0], [0.5, 0.0], [0.6, 0.3], [0.0, 0.3]] }]"
-    assert covered(scene) > 0.1
-    assert covered(scene_of(TANK, tmp_path, [*vessel, wider])) == pytest.approx(0.0, abs=1e-12)
+    wider = [
+        "fluid.bodies=[{ name = 'water', polygon = [[0.1, 0.0], [0.5, 0.0], [0.6, 0.3], [0.0, 0.3]] }]",
+        "walls=[{ name = 'tank', polyline = [[0.0, 0.3], [0.1, 0.0], [0.5, 0.0], [0.6, 0.3]] }]",
+    ]
+    assert covered(scene) == pytest.approx(2.0 * 0.5 * 0.25 * 0.3 * 0.2 / 0.105, rel=2e-2)
+    assert covered(scene_of(TANK, tmp_path, [*vessel, *wider])) == pytest.approx(0.0, abs=1e-12)

@@ -192,9 +192,9 @@ def bottomless(scene: Scene) -> float:
 def covered(scene: Scene) -> float:
     """Depth [m] below the level of its body, integrated over the water that faces keep from rising to it, over the
     area of all water: settled water that can not stand lower is more by as much, times g/c0²."""
-    up, depths = upward(scene), 0.0
+    frame, depths = across_and_up(upward(scene)), 0.0
     for body in scene.fluid.bodies:
-        ends = outline(body) @ np.stack([right_of(up), up], axis=1)
+        ends = outline(body) @ frame
         (left, _), (right, level) = ends.min(axis=(0, 1)), ends.max(axis=(0, 1))
         wide = (right - left) / _COLUMNS
         for x in left + wide * (np.arange(_COLUMNS) + 0.5):
