@@ -22,7 +22,7 @@ from coupler.schemes import Coupled, probes
 from coupler.supervisor import solver_processes
 from coupler.window import Plan
 from shared.clock import Clock
-from shared.run.checkpoint import claim
+from shared.run.claims import claim
 from shared.scene.reading import dump_scene
 from shared.schema.scene import Scene
 

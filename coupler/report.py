@@ -14,7 +14,8 @@ from typing import Any
 import numpy as np
 
 from shared.contract import BadInput, ShearwaterError
-from shared.run.checkpoint import is_claimed, way_on
+from shared.run.checkpoint import way_on
+from shared.run.claims import is_claimed
 from shared.run.drawing import FONT_PT, INK, axes_at, new_figure
 from shared.run.results import loss, read_result
 from shared.scene.reading import load_scene

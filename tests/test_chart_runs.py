@@ -15,7 +15,8 @@ from coupler.chart.outcome import kept, missing, of_other_code, without_result
 from coupler.chart.runs import _clear, claimed, run_variants
 from coupler.chart.variants import study_variants
 from shared.contract import BadInput, ParticipantLost, SolverFailed
-from shared.run.checkpoint import claim, newest
+from shared.run.checkpoint import newest
+from shared.run.claims import claim
 from shared.run.record import _status
 from shared.run.results import environment
 from tests.charts import loaded_beam, wait_until

@@ -11,7 +11,8 @@ import pytest
 
 from coupler.report import write_report
 from shared.contract import BadInput
-from shared.run.checkpoint import Checkpoints, claim
+from shared.run.checkpoint import Checkpoints
+from shared.run.claims import claim
 from shared.run.probes import read_probes
 
 

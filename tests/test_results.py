@@ -83,6 +83,14 @@ def test_runs_are_numbered_and_never_overwritten(tmp_path, monkeypatch):
         new_run_directory(named / "case.toml", "udl_beam")
 
 
+def test_a_scene_whose_curve_cannot_be_kept_leaves_an_empty_directory(tmp_path):
+    """An empty case.toml stayed behind, and the directory could not be named again."""
+    gone = {"probe": "mid_y", "name": "gone", "curve": str(tmp_path / "gone.csv")}
+    with pytest.raises(ShearwaterError, match=r"The copy of .*gone\.csv"):
+        Record(tmp_path, scene([gone]), "beam", {}, True)
+    assert list(tmp_path.iterdir()) == []
+
+
 # ---- summaries --------------------------------------------------------------------------------------------------
 
 

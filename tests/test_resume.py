@@ -19,7 +19,8 @@ from coupler.report import write_report
 from coupler.run import resume_coupled, run_coupled
 from fluid_solver.models import make_model
 from shared.contract import BadInput, ShearwaterError
-from shared.run.checkpoint import Checkpoints, claim, newest, read_state, write_state
+from shared.run.checkpoint import Checkpoints, newest, read_state, write_state
+from shared.run.claims import claim
 from shared.run.resume import unfinished
 from shared.run.vtkhdf import FrameWriter, read_frame
 from shared.scene.reading import load_scene
@@ -250,7 +251,7 @@ def test_what_cannot_go_on(tmp_path, monkeypatch):
     (tmp_path / "run" / "result.json").unlink()
     with pytest.raises(BadInput, match="no complete checkpoint"):
         unfinished(tmp_path / "run")
-    monkeypatch.setattr("shared.run.checkpoint._PATIENCE_S", 0.2)
+    monkeypatch.setattr("shared.run.claims._PATIENCE_S", 0.2)
     with claim(tmp_path / "run"), pytest.raises(BadInput, match="still going on"):
         claim(tmp_path / "run")
 

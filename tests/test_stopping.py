@@ -53,6 +53,9 @@ def test_a_scene_that_another_program_took_stands_again(tmp_path, monkeypatch, c
         run()
     assert "case.toml was gone, removed by another program" in capsys.readouterr().err
     unfinished(tmp_path).held.close()
+    (tmp_path / "case.toml").unlink()  # of a run that was killed
+    unfinished(tmp_path).held.close()
+    assert "piston" in (tmp_path / "case.toml").read_text(encoding="utf-8")
 
 
 @pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import contextlib
-import fcntl
 import os
 import shutil
 import subprocess
@@ -23,7 +22,8 @@ from coupler.guard import PATIENCE_S, end
 from coupler.supervisor import PACKAGES
 from shared.commands import case_name
 from shared.contract import BadInput
-from shared.run.checkpoint import is_claimed, newest
+from shared.run.checkpoint import newest
+from shared.run.claims import is_claimed, is_free
 from shared.run.results import write_result
 from shared.run.resume import other_environment
 from shared.schema.scene import Scene
@@ -72,19 +72,15 @@ def claimed(folder: Path) -> Iterator[TextIO]:
     chart that was killed are waited for. Raises BadInput."""
     with (folder / "chart.lock").open("a+", encoding="utf-8") as file:
         deadline = time.monotonic() + _ENDING_S
-        while True:
-            try:
-                fcntl.flock(file, fcntl.LOCK_EX | fcntl.LOCK_NB)
-                break
-            except BlockingIOError:
-                file.seek(0)
-                other = file.read().strip()
-                if _lives(other) or time.monotonic() > deadline:
-                    raise BadInput(
-                        f"Another chart (process {other}) is at work in {folder}: wait for it or end it, or name "
-                        "another place with --out DIR."
-                    ) from None
-                time.sleep(_LOOK_EVERY_S)
+        while not is_free(file):
+            file.seek(0)
+            other = file.read().strip()
+            if _lives(other) or time.monotonic() > deadline:
+                raise BadInput(
+                    f"Another chart (process {other}) is at work in {folder}: wait for it or end it, or name "
+                    "another place with --out DIR."
+                )
+            time.sleep(_LOOK_EVERY_S)
         file.truncate(0)
         file.write(f"{os.getpid()}\n")
         file.flush()
@@ -183,7 +179,7 @@ def _can_go_on(run_dir: Path) -> bool:
 
 def _clear(run_dir: Path) -> None:
     """Make room for a run. Raises BadInput where another still goes on there."""
-    if (run_dir / "case.toml").exists() and is_claimed(run_dir):
+    if is_claimed(run_dir):
         raise BadInput(f"The run in {run_dir} is still going on: wait for it, or end it, and chart again.")
     if run_dir.exists():
         shutil.rmtree(run_dir)

@@ -11,7 +11,6 @@ written by plain writes, so that a full disk is an error like any other and spoi
 
 from __future__ import annotations
 
-import fcntl
 import hashlib
 import io
 import json
@@ -21,7 +20,7 @@ import time
 from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, TextIO
+from typing import Any
 
 import h5py
 import numpy as np
@@ -36,7 +35,6 @@ State = dict[str, np.ndarray]
 
 FOLDER = "checkpoints"
 _KEPT = 2
-_PATIENCE_S = 20.0  # the solvers of a coupler that was killed end by themselves within seconds
 _MANIFEST = "manifest.json"
 _WHAT, _INSTEAD = "The checkpoint", ", do without (--set output.checkpoint_every=0)"
 AGAIN = "Start it again with `run` and a new directory (--out DIR): runs are never overwritten."
@@ -207,34 +205,6 @@ def way_on(run_dir: Path) -> str:
     except BadInput:
         return ""
     return f"go on from t = {last.time:.4g} s with: coupler resume {shlex.quote(str(run_dir))}"
-
-
-def is_claimed(run_dir: Path) -> bool:
-    """Whether somebody writes to this run."""
-    with (run_dir / "case.toml").open(encoding="utf-8") as file:
-        try:
-            fcntl.flock(file, fcntl.LOCK_EX | fcntl.LOCK_NB)
-        except OSError:
-            return True
-    return False
-
-
-def claim(run_dir: Path) -> TextIO:
-    """Keep everybody else from writing to this run until the file returned, and every copy of it that a process
-    inherits, is closed. Raises BadInput."""
-    file = (run_dir / "case.toml").open(encoding="utf-8")
-    deadline = time.monotonic() + _PATIENCE_S
-    while True:
-        try:
-            fcntl.flock(file, fcntl.LOCK_EX | fcntl.LOCK_NB)
-            return file
-        except OSError:
-            if time.monotonic() > deadline:
-                file.close()
-                raise BadInput(
-                    f"The run in {run_dir} is still going on in another process; wait for it, or end it."
-                ) from None
-            time.sleep(0.1)
 
 
 def _checksum(path: Path) -> str:

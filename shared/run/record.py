@@ -2,14 +2,18 @@
 
 from __future__ import annotations
 
+import contextlib
 import re
+import shutil
 import time
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from pathlib import Path
 from typing import Any, TextIO
 
 from shared.contract import BadInput, ParticipantLost, ShearwaterError
-from shared.run.checkpoint import Checkpoint, claim, way_on
+from shared.run.checkpoint import Checkpoint, way_on
+from shared.run.claims import claim
+from shared.run.curves import FOLDER as CURVES
 from shared.run.curves import keep_curves
 from shared.run.probes import ProbeTable, probe_units
 from shared.run.progress import Progress
@@ -61,9 +65,10 @@ class Record:
         case_file = run_dir / "case.toml"
         if last is None:
             try:
-                with case_file.open("x", encoding="utf-8") as file:
+                with case_file.open("x", encoding="utf-8") as file, _all_or_nothing(run_dir):
                     self._scene = keep_curves(scene, run_dir)
                     file.write(dump_scene(self._scene, run_dir))
+                    file.flush()
             except FileExistsError:
                 raise BadInput(f"Another run has just begun in {run_dir}: name another place with --out DIR.") from None
             except OSError as error:
@@ -120,13 +125,6 @@ class Record:
             say(way)
         STOP.ending = status == "interrupted"
 
-    def _keep_scene(self) -> None:
-        """A scene that another program has removed meanwhile stands again, for whoever goes on with the run."""
-        case_file = self.run_dir / "case.toml"
-        if self.run_dir.exists() and not case_file.exists():
-            write_whole("The scene", case_file, self._text.encode())
-            say(f"warning: {case_file} was gone, removed by another program since the run began: it is written again.")
-
     def _conclude(self, status: str, reason: str) -> None:
         """Write the result and draw the pictures."""
         self.result = make_result(
@@ -143,10 +141,29 @@ class Record:
             preflight=self.preflight,
         )
         write_result(self.run_dir, self.result)
-        self._keep_scene()
+        keep_scene(self.run_dir, self._text)
         from shared.run.pictures import draw_pictures  # loads for half a second
 
         self.pictures = draw_pictures(self.run_dir, self._scene)
+
+
+@contextlib.contextmanager
+def _all_or_nothing(run_dir: Path) -> Iterator[None]:
+    """The scene and its curves: a directory without them is empty again, and may be named another time."""
+    try:
+        yield
+    except BaseException:
+        shutil.rmtree(run_dir / CURVES, ignore_errors=True)
+        (run_dir / "case.toml").unlink(missing_ok=True)
+        raise
+
+
+def keep_scene(run_dir: Path, text: str) -> None:
+    """A scene that another program has removed since its run began stands again, for whoever goes on with the run."""
+    case_file = run_dir / "case.toml"
+    if run_dir.exists() and not case_file.exists():
+        write_whole("The scene", case_file, text.encode())
+        say(f"warning: {case_file} was gone, removed by another program since the run began: it is written again.")
 
 
 def _status(error: BaseException | None) -> tuple[str, str]:

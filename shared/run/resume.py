@@ -11,8 +11,10 @@ from pathlib import Path
 from typing import Any, TextIO
 
 from shared.contract import BadInput
-from shared.run.checkpoint import Checkpoint, claim, newest
+from shared.run.checkpoint import FOLDER, Checkpoint, newest
+from shared.run.claims import claim
 from shared.run.plain import plain
+from shared.run.record import keep_scene
 from shared.run.results import environment
 from shared.run.vtkhdf import check_frames
 from shared.scene.reading import load_scene
@@ -35,7 +37,7 @@ class Unfinished:
 def unfinished(run_dir: Path) -> Unfinished:
     """The run in `run_dir`, claimed first, so that nobody changes what is found there; warns where the machine or the
     packages are others. Raises BadInput."""
-    if not (run_dir / "case.toml").exists():
+    if not (run_dir / "case.toml").exists() and not (run_dir / FOLDER).exists():
         raise BadInput(f"{run_dir} is not the directory of a run: it has no case.toml.")
     held = claim(run_dir)
     try:
@@ -55,6 +57,8 @@ def _found(run_dir: Path) -> tuple[Scene, Checkpoint]:
         raise BadInput(f"The run in {run_dir} has finished: there is nothing to go on with.")
     last, case = newest(run_dir), run_dir / "case.toml"
     _warn_of(last.passed_over, f"an older one is taken, t = {last.time:.4g} s")
+    if not case.exists():
+        keep_scene(run_dir, last.notes["scene"])
     scene = load_scene(case)
     text = case.read_text(encoding="utf-8-sig")
     if changes := _changes(last.notes.get("scene", text), text):
