@@ -280,8 +280,10 @@ def _watch(link: weakref.ref[ZenohLink]) -> None:
 
 
 def channel(session: zenoh.Session, where: str) -> tuple[zenoh.Subscriber, Callable[[], None]]:
-    """What arrives on the key `where`, to be received in order by `next_message`, and what wakes its reader."""
-    channel = session.declare_subscriber(where, zenoh.handlers.FifoChannel(_MOST_WAITING))
+    """What arrives on the key `where`, to be received in order by `next_message`, and what wakes its reader. Of
+    more than waits in a sound run the oldest go: a full channel would hold up all of zenoh, and nobody could end the
+    run."""
+    channel = session.declare_subscriber(where, zenoh.handlers.RingChannel(_MOST_WAITING))
 
     def wake() -> None:
         with contextlib.suppress(zenoh.ZError):  # a session that is closed has no reader

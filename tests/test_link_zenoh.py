@@ -13,7 +13,7 @@ from shared import link_serve, link_zenoh
 from shared.clock import Clock
 from shared.contract import Loads, ParticipantLost
 from shared.link_serve import serve
-from shared.link_zenoh import ZenohLink, free_endpoint, listening
+from shared.link_zenoh import ZenohLink, free_endpoint, key, listening
 from shared.participant import Participant
 from shared.service import Service
 from shared.wire import BadMessage
@@ -177,3 +177,15 @@ def test_an_empty_reply_is_a_reply():
         session.put("shearwater/run/solid/reply", b"")
         with pytest.raises(BadMessage, match="describe from solid: message is not valid msgpack"):
             Remote(link, "run", "solid").describe()
+
+
+def test_a_participant_that_answers_many_times_holds_up_nobody():
+    """What waits unread in a full channel stopped zenoh's only thread: the run neither went on nor ended."""
+    with listening("run") as (session, _):
+        link = ZenohLink(session, "run", "solid", alive, stall_after=20.0)
+        where = key("run", "solid", "reply")
+        talking = threading.Thread(target=lambda: [session.put(where, b"%d" % k) for k in range(50)], daemon=True)
+        talking.start()
+        talking.join(5.0)
+        assert not talking.is_alive()
+        assert link.receive() == b"46"  # the last four are kept
