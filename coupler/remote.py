@@ -91,16 +91,19 @@ class Remote:
             "resumed": resumed,
         }
         reply = self._ask("start", info=info, fields=fields)
+        self._clock, self._probe_rows, self._probes = clock, probe_rows, sorted(reply.info["probes"])
         return self._exchange(reply), dict(reply.info["probes"])
 
     def begin_advance(self, window: Window, boundary: Exchange, final: bool = False) -> None:
         """Send the partner's data; the participant begins to integrate, and accepts at once if `final`."""
+        self._window = window.index
         self._send("advance", window=window, fields=exchange_fields(boundary), info={"final": True} if final else None)
 
     def end_advance(self) -> Exchange:
         """Wait for the participant's own data at the window's end."""
+        accepted = "final" in self._pending.info
         reply = self._receive()
-        self.row = reply.info.get("probes")
+        self._take_row(reply, accepted)
         return self._exchange(reply)
 
     def advance(self, window: Window, boundary: Exchange, final: bool = False) -> Exchange:
@@ -122,7 +125,7 @@ class Remote:
 
     def end_accept(self) -> None:
         """Wait for the acceptance."""
-        self.row = self._receive().info.get("probes")
+        self._take_row(self._receive())
 
     def begin_save(self, path: Path) -> None:
         """The participant begins to write its complete state to the file `path`."""
@@ -186,6 +189,18 @@ class Remote:
         now = time.perf_counter()
         self.worked += [(self._answered, self._answered + settled), (now - spent, now)]
         self._answered = now
+
+    def _take_row(self, reply: Message, accepted: bool = True) -> None:
+        """The window's probes, those of the start: there if it is accepted and a row is due, and only then."""
+        self.row = reply.info.get("probes")
+        found = None if self.row is None else sorted(self.row)
+        needed = self._probes if accepted and self._clock.crosses(self._window, self._probe_rows) else None
+        if found != needed:
+            how = "no row is due" if needed is None else f"{needed} are needed, as at the start"
+            raise BadMessage(
+                f"{reply.verb} from {self.name}: its probes are {found or 'missing'} at the end of window "
+                f"{self._window}, where {how}"
+            )
 
     def _exchange(self, reply: Message) -> Exchange:
         kind, where = GIVES[self.description.role], f"{reply.verb} from {self.name}"

@@ -31,10 +31,11 @@ from shared.run.checkpoint import Checkpoint, Checkpoints, way_on
 from shared.run.record import Record
 from shared.run.results import new_run_directory
 from shared.run.resume import Unfinished
-from shared.scene.sides import probe_rows
+from shared.scene.sides import own_probes, probe_rows
 from shared.schema.scene import Scene
 from shared.stopping import stopping_between_windows
 from shared.warm import fill_cache
+from shared.wire import BadMessage
 
 log = logging.getLogger("shearwater")
 
@@ -160,6 +161,13 @@ def check_pressures(scene: Scene, structure: Description, fluid: Description) ->
         )
 
 
+def check_probes(scene: Scene, side: str, row: dict[str, float]) -> None:
+    """A side tells its own probes alone: what it says of the other's would stand in their place."""
+    own = {probe.name for probe in own_probes(scene, side).probes}
+    if foreign := sorted(row.keys() - own):
+        raise BadMessage(f"start from {side}: its probes {foreign} are none of its own, which are {sorted(own)}")
+
+
 def start(
     scene: Scene,
     clock: Clock,
@@ -177,6 +185,8 @@ def start(
     loads, more = fluid.start(clock, range(mapping.matrix.shape[0]), ghosts, **options)
     order = scene.coupling.predictor
     predictors = Predictor(order, mapping.loads(loads, points, ghosts)), Predictor(order, points)
+    check_probes(scene, structure.name, first)
+    check_probes(scene, fluid.name, more)
     if last is None:
         record.at(0.0, first | more)
     else:

@@ -37,7 +37,8 @@ What the info of a reply must hold:
                where its model is total-lagrangian or ctvf
     probes     name → value of the scene's probes that are the side's own: a structure's those on its bodies but force-x
                and force-y, a fluid's all others; at the start, and of window k (from 0) accepted a row is due if
-               (k + 1) p // w > k p // w, with p = probe_rows and w = windows of the start
+               (k + 1) p // w > k p // w, with p = probe_rows and w = windows of the start; it has the names of the
+               start's, and comes then alone
     cost       core_s: processor time [s]; and whatever else is to stand in cost of result.json: steps, particles, …
     error      text: one paragraph, what is wrong and the way out; exit_code 2 (bad input), 3 (failed) or 4
 

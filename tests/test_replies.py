@@ -9,10 +9,12 @@ import numpy as np
 import pytest
 
 from coupler.remote import Remote, RemoteError
+from coupler.run import check_probes
 from shared.clock import Clock
 from shared.contract import Kinematics, Loads, ShearwaterError
 from shared.link import InProcessLink
 from shared.participant import Participant
+from shared.scene.reading import load_scene
 from shared.service import Service
 from shared.wire import BadMessage
 
@@ -86,6 +88,13 @@ BAD = [
     ("advance", lambda m: b"\xc1", "message is not valid msgpack"),
     ("accept", {"probes": {"x": None}}, "probes.x is missing; a number is needed"),
     ("accept", {"probes": [1]}, "probes is [1]"),
+    (
+        "accept",
+        {"probes": ...},
+        "its probes are missing at the end of window 0, where ['y'] are needed",
+    ),
+    ("accept", {"probes": {"x": 1.0}}, "its probes are ['x'] at the end of window 0"),
+    ("advance", {"probes": {"y": 1.0}}, "its probes are ['y'] at the end of window 0, where no row is due"),
     ("finish", {"cost": ...}, "cost is missing"),
     ("finish", {"cost": {}}, "cost.core_s is missing; a time [s] is needed"),
     ("finish", {"cost": {"core_s": 1.0, "particles": "many"}}, "cost.particles is 'many'"),
@@ -99,6 +108,13 @@ def test_a_malformed_reply_is_refused_by_name(toy_spring, verb, change, words):
         whole_run(toy_spring(), "solid", altered(verb, change))
     assert f"{verb} from solid" in str(error.value)
     assert error.value.exit_code == 3
+
+
+def test_probes_of_the_other_side_are_refused():
+    scene = load_scene("piston")
+    check_probes(scene, "solid", {"piston_x": 0.0})
+    with pytest.raises(BadMessage, match=r"start from solid: its probes \['face_pressure'\] are none of its own"):
+        check_probes(scene, "solid", {"piston_x": 0.0, "face_pressure": 1.0})
 
 
 def test_a_participant_that_only_says_that_it_has_saved_is_refused(toy_spring, tmp_path):
