@@ -40,6 +40,7 @@ from shared.run.plain import plain
 from shared.run.record import Record
 from shared.run.results import write_result
 from shared.run.resume import unfinished
+from shared.run.words import word
 from shared.scene.reading import load_scene, shipped_cases
 from shared.schema.scene import Scene
 
@@ -174,7 +175,7 @@ def chart(
     folder = out or Path("runs") / f"chart-{case_name(case)}"
     say = (lambda text: None) if quiet else (lambda text: print(text, flush=True))
     found = make_chart(case, sets or (), folder, jobs, say, scheduler)
-    words = ["coupler", "chart", case, *(word for text in sets or () for word in ("--set", text))]
+    words = ["coupler", "chart", word(case), *(part for text in sets or () for part in ("--set", text))]
     words += ["--jobs", str(jobs)] if jobs > 1 else ["--scheduler", scheduler] if scheduler else []
     paths = write_chart(found, folder, shlex.join(words))
     if not quiet:

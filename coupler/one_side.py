@@ -13,6 +13,7 @@ from coupler.preflight.check import Preflight, actual
 from coupler.supervisor import PACKAGES
 from shared.run.plain import plain
 from shared.run.results import new_run_directory, read_result, write_result
+from shared.run.words import word
 from shared.scene.reading import dump_scene
 from shared.schema.scene import Scene
 
@@ -36,7 +37,7 @@ def run_one_side(
 
 def resume_one_side(run_dir: Path, scene: Scene, side: str, threads: str, quiet: bool) -> int:
     """Go on with a run of one side; its exit code. `threads`: as on the command line, or empty."""
-    command = [sys.executable, "-m", PACKAGES[side], "resume", str(run_dir)]
+    command = [sys.executable, "-m", PACKAGES[side], "resume", word(run_dir)]
     command += ["--threads", threads.removeprefix(f"{side}=")] if threads else []
     command += ["--quiet"] if quiet else []
     return _concluded(_ended(command), run_dir, scene)

@@ -18,6 +18,7 @@ from shared.run.checkpoint import way_on
 from shared.run.claims import is_claimed
 from shared.run.drawing import FONT_PT, INK, axes_at, new_figure
 from shared.run.results import loss, read_result
+from shared.run.words import word
 from shared.scene.reading import load_scene
 
 _WIDTH_IN, _HEIGHT_IN = 6.5, 2.8
@@ -57,7 +58,7 @@ def _why_none(run_dir: Path) -> str:
         return "name the directory of a run that ended, like runs/dam_break"
     if is_claimed(run_dir):
         return "its run is still going on, and writes one when it ends"
-    way = way_on(run_dir) or f"run it again: coupler run {shlex.quote(str(run_dir / 'case.toml'))} --out DIR"
+    way = way_on(run_dir) or f"run it again: coupler run {shlex.quote(word(run_dir / 'case.toml'))} --out DIR"
     return f"its run was killed before it could write one; {way}"
 
 

@@ -16,6 +16,7 @@ from coupler.remote import Remote, RemoteError
 from shared.awake import Halt
 from shared.contract import BadInput, ParticipantLost, SolverFailed
 from shared.link_zenoh import ZenohLink, listening
+from shared.run.words import word
 from shared.unwritable import met_limit
 
 PACKAGES = {"fluid": "fluid_solver", "solid": "solid_solver"}
@@ -76,8 +77,8 @@ def _command(program: Sequence[str], name: str, endpoint: str, run: str, run_dir
     return [
         *program,
         "serve",
-        str(run_dir / "case.toml"),
-        *(word for pair in options.items() for word in pair),
+        word(run_dir / "case.toml"),
+        *(part for pair in options.items() for part in pair),
     ]
 
 

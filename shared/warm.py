@@ -22,6 +22,7 @@ import numpy as np
 
 from shared.awake import wait_for
 from shared.contract import Kinematics, Loads, Model, ShearwaterError
+from shared.run.words import word
 from shared.scene.sides import own_probes
 from shared.schema.fluid import PARTICLE_FLUIDS
 from shared.schema.scene import Scene
@@ -54,9 +55,9 @@ def fill_cache(packages: Mapping[str, str], case: Path, scene: Scene) -> None:
     parts = {}
     for side, package in packages.items():
         if not stamp(scene, side).exists():
-            parts[f"compiles the {side} side"] = [package, "warm", str(case)]
+            parts[f"compiles the {side} side"] = [package, "warm", word(case)]
             if side == "fluid" and scene.fluid.model in PARTICLE_FLUIDS:  # have `compile_sweeps`
-                parts[f"compiles the {side} side's sweeps"] = [package, "warm", str(case), "--sweeps"]
+                parts[f"compiles the {side} side's sweeps"] = [package, "warm", word(case), "--sweeps"]
     if parts:
         _try_room()
     children = {

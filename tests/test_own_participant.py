@@ -5,12 +5,15 @@ from __future__ import annotations
 import json
 import sys
 from importlib.resources import files
+from pathlib import Path
 
 import pytest
 
 import coupler.run
+from coupler.chart.runs import command
 from coupler.cli import parse_programs
 from coupler.run import resume_coupled, run_coupled
+from coupler.supervisor import _command
 from shared.contract import BadInput, ParticipantLost
 from shared.run.probes import ProbeTable, probe_units
 from shared.run.resume import unfinished
@@ -64,3 +67,11 @@ def test_a_command_is_taken_apart_as_by_a_shell():
     for text, words in (("", "is empty"), ("python 'x", "is not a command")):
         with pytest.raises(BadInput, match=words):
             parse_programs(solid=text)
+
+
+def test_a_folder_that_begins_with_a_dash_is_no_option():
+    """`--out=-x` ended with a solver's usage."""
+    own = _command(["spring"], "solid", "tcp/here", "run", Path("-x"), 1)
+    assert own[:3] == ["spring", "serve", "./-x/case.toml"]
+    assert command("resume", load_scene("udl_beam"), "-x")[:3] == ["solid_solver", "resume", "./-x"]
+    assert command("run", load_scene("udl_beam"), "udl_beam")[2] == "udl_beam"

@@ -26,6 +26,7 @@ from shared.run.checkpoint import newest
 from shared.run.claims import is_claimed, is_free
 from shared.run.results import write_result
 from shared.run.resume import other_environment
+from shared.run.words import word
 from shared.schema.scene import Scene
 
 _LOOK_EVERY_S = 0.2
@@ -109,7 +110,7 @@ def command(verb: str, scene: Scene, what: str) -> list[str]:
         program, threads = "coupler", "fluid=1,solid=1"
     else:
         program, threads = PACKAGES["solid" if scene.fluid is None else "fluid"], "1"
-    return [program, verb, what, "--quiet", "--threads", threads]
+    return [program, verb, word(what), "--quiet", "--threads", threads]
 
 
 @dataclass(frozen=True)
@@ -133,7 +134,7 @@ class _Runner:
         if code == BadInput.exit_code:  # nothing to go on from, or not after all
             _clear(out)
             resumed = False
-            sets = (word for text in variant.sets for word in ("--set", text))
+            sets = (part for text in variant.sets for part in ("--set", text))
             code = self._ended([*command("run", variant.scene, self.case), "--out", str(out), *sets], log)
         result = kept(variant, out)
         if self.stop.is_set() and result is None:

@@ -28,6 +28,7 @@ import numpy as np
 from shared.contract import BadInput
 from shared.run.plain import plain
 from shared.run.whole import write_whole
+from shared.run.words import word
 from shared.unwritable import cannot_write
 
 State = dict[str, np.ndarray]
@@ -204,7 +205,7 @@ def way_on(run_dir: Path) -> str:
         last = newest(run_dir)
     except BadInput:
         return ""
-    return f"go on from t = {last.time:.4g} s with: coupler resume {shlex.quote(str(run_dir))}"
+    return f"go on from t = {last.time:.4g} s with: coupler resume {shlex.quote(word(run_dir))}"
 
 
 def _checksum(path: Path) -> str:

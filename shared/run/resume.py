@@ -17,6 +17,7 @@ from shared.run.plain import plain
 from shared.run.record import keep_scene
 from shared.run.results import environment
 from shared.run.vtkhdf import check_frames
+from shared.run.words import word
 from shared.scene.reading import load_scene
 from shared.schema.scene import Scene
 from shared.streams import say
@@ -64,7 +65,7 @@ def _found(run_dir: Path) -> tuple[Scene, Checkpoint]:
     if changes := _changes(last.notes.get("scene", text), text):
         raise BadInput(
             f"{case} is not the scene that the run went by up to t = {last.time:.4g} s: {'; '.join(changes)}. Put it "
-            f"back and resume, or run it from the start: coupler run {shlex.quote(str(case))} --out DIR"
+            f"back and resume, or run it from the start: coupler run {shlex.quote(word(case))} --out DIR"
         )
     if other := other_environment(last):
         much = "" if any(one.startswith("sources ") for one in other) else " in the last bits"
