@@ -36,6 +36,12 @@ class Shaker:
         return self._sizes(0).max()
 
     @cached_property
+    def span(self) -> float:
+        """Largest distance [m] between two of its places."""
+        x, y, turned = np.ptp(self._rates(0), axis=0)
+        return math.hypot(x, y) + turned
+
+    @cached_property
     def speed(self) -> float:
         """Largest speed [m/s]."""
         return self._sizes(1).max()
@@ -64,10 +70,14 @@ class Shaker:
 
     def _sizes(self, order: int) -> np.ndarray:
         """Sizes of displacement, or of its rates by `order`, at the samples."""
+        x, y, turned = self._rates(order).T
+        return np.hypot(x, y) + np.abs(turned)
+
+    def _rates(self, order: int) -> np.ndarray:
+        """The same along x, along y and along the way round of the farthest point, (samples, 3)."""
         table, times = MotionTable(self.motion), np.linspace(0.0, min(self.motion.times[-1], self.end), _SAMPLES)
         reach = float(np.hypot(*(self.points - table.about).T).max())
-        x, y, angle = table.displacements(times, order).T
-        return np.hypot(x, y) + reach * np.abs(angle)
+        return table.displacements(times, order) * (1.0, 1.0, reach)
 
 
 def prescribed(solid: Solid) -> list[tuple[Motion, np.ndarray]]:
