@@ -3,12 +3,18 @@
 flow               where water falls and splashes 5 dx/d, d its least extent at t = 0, of its front 1.4 dx/d; 0.5
                    dx/d (ctvf), 1.5 dx/d (wcsph) where it is held and circulates     dam_break_plate, taylor_green,
                    a flap in a splash, by spacings from 3.3 to 0.6 mm: 3.2 to 4.4, scattered by 1
+wave's wear        what artificial viscosity takes, at most 2 ν k² a second (wcsph; found 0.4 to 0.9 of it), 0.6 of it
+                   (ctvf; 0.3 to 0.5), 0.15 more in a period with less than 40 neighbours: of a height by its age, of an
+                   energy twice, of a rate over 2 ν k² of the fluid's own; none of that without. (2 ν k²)²/(2 ω²) of a
+                   period; at the end what its phase φ is late, φ |tan ωt| + φ²/2 of a speed, an energy twice, of an
+                   elevation by the cotangent. None where it is torn (waves.py)           seiches, α 0.02 to 0.3
 wave's period      0.25 % and what was found: 7.33 x^1.7 (ctvf), 17.2 x^1.9 (wcsph) too long, x = dx/wavelength, and
                    0.8 % too short at any x, for a lattice under pressure bears shear: the two cancel near x = 0.02;
                    8 % more with less than 40 neighbours, whose lattice bears more            standing_wave
                    without viscosity of its own a lattice melts late: 0.5 % (ctvf), 0.9 % (wcsph) more either way,
                    and dx over a wave's height at the start times that where it is lower than dx     seiches
-surface's height   besides, over its way from the gauge: the level of settled water, g H²/(2 c0²) lower, and 0.2 dx
+surface's height   besides, over its way from the gauge, the wave's height counted: the level of settled water,
+                   g H²/(2 c0²) lower, and 0.2 dx
 lid beside walls   0.92 (dx/width)^0.55 besides: 14, 9, 7 % at the centre of a box 25, 50, 100 dx wide (ctvf);
                    none below 25 dx or a Reynolds number of 100, nor with h = 2 dx, nor where nothing shifts particles
                    (wcsph): there water tears off the lid in the corner, and comes to rest               lid_cavity
@@ -37,6 +43,7 @@ from coupler.preflight.numbers import Numbers
 from coupler.preflight.plate import goals_probe, goals_quantity
 from coupler.preflight.ploughed import ploughed
 from coupler.preflight.rules_water import LOOSE
+from coupler.preflight.waves import Wave, torn, wave_of
 from shared.expected_speed import start_speed
 from shared.geometry.regions import outline
 from shared.geometry.wall_chains import segments_of
@@ -57,10 +64,14 @@ BLURRED = 0.3  # of (h/dx − ENOUGH)² dx/width
 FEW, FEW_POWER = 0.12, 5.0  # with h = 1.3 dx: stresses of a neighbourhood in disorder, whatever dx is
 LID, LID_POWER = 0.92, 0.55  # of dx/width, under a lid beside walls
 LID_ACROSS, LID_REYNOLDS, LID_SUPPORT = 25.0, 100.0, 1.6  # dx; h/dx: within them that was found
+LOST = 1.0  # rad of a wave that swings
 CLUSTERED = 0.5  # of a decay, where vortices stretch particles that nothing shifts
+WEAR = {"ctvf": 0.6, "wcsph": 1.0}  # of what artificial viscosity would take off a wave if all pairs felt it
+FEW_WEAR = 0.15  # of a wave's height in a period, with few neighbours: found 0.11
 FALL = {"ctvf": 0.08, "wcsph": 0.6}  # of the speed that the pressure of water at rest gives it as it is let go
 MOTIONS = ("max-speed", "velocity-x", "velocity-y", "kinetic-energy")
 """Quantities that are nothing in water at rest."""
+TIMES = ("period", "wave-period", "t_min", "t_max")
 
 
 def flow_error(scene: Scene, n: Numbers) -> float:
@@ -68,8 +79,11 @@ def flow_error(scene: Scene, n: Numbers) -> float:
     water, goal = n.water, scene.goal
     probe = goals_probe(scene)
     quantity = goals_quantity(scene)
+    wave = wave_of(scene, n)
+    if torn(scene, n):
+        return math.inf
     if goal.statistic == "wave-period":
-        return _period(scene, n) + (LATTICE if _stiff(n) else 0.0)
+        return _period(scene, n, wave) + (LATTICE if _stiff(n) else 0.0)
     if water.free and quantity in MOTIONS and goal.statistic in ("final", "max"):
         return _let_go(scene, n) * (2.0 if quantity == "kinetic-energy" else 1.0)
     if not water.held:
@@ -88,17 +102,49 @@ def flow_error(scene: Scene, n: Numbers) -> float:
     if scene.fluid.viscosity > 0.0:
         flow += VISCOUS * (water.h / (2.0 * least)) ** 2
     if quantity == "elevation":
-        flow += off_level(scene, n, probe, GAUGE, _height(scene, n) or 0.0)
+        flow += off_level(scene, n, probe, GAUGE, wave.height if wave is not None else 0.0)
+    if wave is not None:
+        flow += _worn(scene, n, wave, quantity)
     return flow + (WAVES if water.waves and goal.statistic not in STEADY and _stiff(n) else 0.0)
 
 
 def off_level(scene: Scene, n: Numbers, probe: Probe, share: float, height: float = 0.0) -> float:
     """Of an elevation: the level of settled water, g H²/(2 c0²) lower, and a `share` of dx, over the way from the gauge
-    to the surface, `height` [m] the wave's. Nothing where that is not known: a gauge at the level, waves made later."""
+    to the surface, `height` [m] the wave's. Nothing where there is none: a gauge at the level of water at rest."""
     water, g = n.water, math.hypot(*scene.gravity)
-    top = max(float(outline(body)[..., 1].max()) for body in scene.fluid.bodies)
-    way = abs(top - probe.point[1]) + height
+    way = _over_gauge(scene, probe) + height
     return (g * water.height**2 / (2.0 * water.sound_speed**2) + share * water.dx) / way if way > 0.0 else 0.0
+
+
+def _over_gauge(scene: Scene, probe: Probe) -> float:
+    """Distance [m] of the water's level from a gauge."""
+    return abs(max(float(outline(body)[..., 1].max()) for body in scene.fluid.bodies) - probe.point[1])
+
+
+def _wear(scene: Scene, n: Numbers, wave: Wave) -> float:
+    """Rate [1/s] at which a wave's height falls by what is not the fluid's own viscosity."""
+    few = FEW_WEAR * wave.omega / (2.0 * math.pi) if _stiff(n) else 0.0
+    return WEAR[n.water.model] * 2.0 * n.water.artificial * wave.k**2 + few
+
+
+def _worn(scene: Scene, n: Numbers, wave: Wave, quantity: str) -> float:
+    """Of what is left of a wave; infinite of how it decays, where nothing of the fluid's own lets it."""
+    rate, goal = _wear(scene, n, wave), scene.goal
+    if goal.statistic in ("decay", "wave-decay") or (goal.statistic, quantity) == ("change", "total-energy"):
+        own = 2.0 * scene.fluid.viscosity * wave.k**2
+        return rate / own if own > 0.0 else math.inf
+    high = quantity == "elevation"
+    if goal.statistic in TIMES or not (high or quantity in MOTIONS) or (high and goal.statistic in STEADY):
+        return 0.0
+    times = 2.0 if quantity == "kinetic-energy" else 1.0
+    error = -math.expm1(-times * rate * wave.age)
+    if wave.swings and goal.statistic == "final":
+        turned = wave.omega * scene.end_time
+        late = turned * _period(scene, n, wave)
+        turn = abs(math.tan(turned + (0.5 * math.pi if high else 0.0)))
+        error += times * late * (turn + 0.5 * late) if late < LOST else math.inf
+    way = wave.height + _over_gauge(scene, goals_probe(scene)) if high else 0.0
+    return error * wave.height / way if way > 0.0 else error
 
 
 def _slid(scene: Scene) -> bool:
@@ -160,26 +206,17 @@ def _let_go(scene: Scene, n: Numbers) -> float:
     return FALL[n.water.model] * g * n.water.height / (n.water.sound_speed * reached) if pressed else 1e-3
 
 
-def _period(scene: Scene, n: Numbers) -> float:
+def _period(scene: Scene, n: Numbers, wave: Wave | None) -> float:
     """Of the period of a wave."""
     model = n.water.model
     (factor, power), (times, more) = WAVE[model], WAVE_MARGIN
     error = times * abs(factor * (n.water.dx / _wavelength(scene, n)) ** power - WAVE_LATTICE) + more[model]
+    if wave is not None:
+        error += 0.5 * times * (2.0 * n.water.artificial * wave.k**2 / wave.omega) ** 2
     if scene.fluid.viscosity > 0.0:
         return error
-    height = _height(scene, n)
-    return error + UNMELTED[model] * max(1.0, n.water.dx / height if height else 1.0)
-
-
-def _height(scene: Scene, n: Numbers) -> float | None:
-    """Height [m] of the crests of the wave that the water starts with, U/ω; None without one."""
-    fields = (body.velocity_field for body in scene.fluid.bodies)
-    wave = next((field for field in fields if field is not None and field.kind == "standing-wave"), None)
-    g = math.hypot(*scene.gravity)
-    if wave is None or g == 0.0:
-        return None
-    k = 2.0 * math.pi / wave.wavelength
-    return abs(wave.speed) / math.sqrt(g * k * math.tanh(k * n.water.height))
+    low = n.water.dx / wave.height if wave is not None and wave.height > 0.0 else 1.0
+    return error + UNMELTED[model] * max(1.0, low)
 
 
 def _wavelength(scene: Scene, n: Numbers) -> float:

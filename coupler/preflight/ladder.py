@@ -26,6 +26,7 @@ from coupler.preflight.rules_joint import helmholtz
 from coupler.preflight.shapes import CROWDED, crowding
 from coupler.preflight.variations import bends_at_points, coupled, dampings, fits, has_particles, refined, with_models
 from coupler.preflight.water import measure_water
+from coupler.preflight.waves import torn
 from coupler.preflight.window import GROWTH_WARN, lag_growth
 from shared.scene.checks import check_scene
 from shared.schema.fluid import PARTICLE_FLUIDS
@@ -195,6 +196,10 @@ def _unable(scene: Scene, n: Numbers, worst: str) -> str:
                 return "the water rests: of a motion that is nothing there is no relative error"
             if stirred(scene, n):
                 return "rows of particles do not fit between the faces, which stirs water at rest: see filled gaps"
+            if torn(scene, n):
+                return "tension clumps particles at the waterline of walls: see h/dx; ctvf keeps them apart"
+            if n.water.waves and what in ("change", "decay", "wave-decay") and scene.fluid.viscosity == 0.0:
+                return "nothing of the water's own wears its waves out: what decays is the method's alone"
             if ploughed(scene):
                 return "particles that nothing shifts are pressed into what is moved through them; ctvf shifts them"
             if lids(scene):

@@ -9,6 +9,7 @@ from coupler.preflight.numbers import Numbers
 from coupler.preflight.plate import goals_quantity
 from coupler.preflight.ploughed import ploughed
 from coupler.preflight.water import LEVEL
+from coupler.preflight.waves import torn
 from shared.expected_speed import shaken_speed, structure_speed, viscous_speed, water_speed
 from shared.fluid_step import COURANT, LARGEST_COURANT
 from shared.geometry.shakers import shakers
@@ -99,6 +100,10 @@ def neighbours(scene: Scene, n: Numbers) -> Finding | None:
     if n.water.waves and n.water.support < LOOSE * n.water.dx:
         waves = "with so few neighbours a lattice bears waves of its spacing's height: lower by a fifth, at any dx"
         return Finding("h/dx", value, "warn", waves, "fluid.h_over_dx = 2.0")
+    if torn(scene, n):
+        pulled = "tension clumps particles at the waterline of walls, which then shoot out: the water gains energy"
+        cure = "fluid.negative_pressure = none" if scene.fluid.negative_pressure != "none" else "fluid.alpha = 0.02"
+        return Finding("h/dx", value, "warn", pulled, f"{cure}, or fluid.model = ctvf")
     if ploughed(scene):
         pressed = "particles that nothing shifts are pressed into what is moved through them: forces jump fivefold"
         return Finding("h/dx", value, "warn", pressed, "fluid.model = ctvf")
