@@ -154,6 +154,18 @@ def test_damping_holds_the_plate_and_not_its_water(tmp_path):
     assert wet.moved == pytest.approx(1.0 + 50.0 / 18.0)
 
 
+@pytest.mark.parametrize(
+    ("reflection", "far_end", "mass", "damping"), [(0.0, "open", 0, 1), (0.5, "open", 8 / 9, 1 / 3)]
+)
+def test_a_column_that_sends_little_back_damps(tmp_path, reflection, far_end, mass, damping):
+    """A piston on an absorbing column creeps to its place: its mean in the first second was 42 % off under 8 %."""
+    column = f"fluid.column={{ reflection = {reflection}, far_end = '{far_end}' }}"
+    scene = floor(tmp_path, "fluid.model=column", "fluid.sound_speed=1480", column, "solid.damping=0")
+    found = swing(scene, scene_numbers(scene))
+    assert found.moved == pytest.approx(1.0 + mass * 50.0 / 18.0)
+    assert found.damping * found.moved == pytest.approx(damping * 1000.0 * 1480.0 / 18.0)
+
+
 def test_a_sprung_floor_carries_its_water_of_particles_along(tmp_path):
     """Both masses are on the spring."""
     scene = floor(tmp_path, *PISTON)

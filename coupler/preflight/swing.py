@@ -4,7 +4,8 @@ Water that moves along makes the mass m times the plate's own: the frequency fal
 holds the plate alone, to η/m. From water too deep for its sound (Helmholtz) nothing comes back in time: the swing is
 the dry one, and each wetted side takes its energy at the rate b = ρ c0/(ρ_s t). The pulse that left the plate as it
 yielded is back from the water's surface after 2 H/c0, and again and again, turned over each time: it moves the plate
-by 2 b/ω² times its deflection, over time.
+by 2 b/ω² times its deflection, over time. A column whose far end sends R < 1 of a pulse back, turned over below 0,
+takes energy from a slow swing at the rate b (1 + R)/(1 − R), and as a mass it counts −4 R/(1 − R)² times.
 """
 
 from __future__ import annotations
@@ -64,9 +65,15 @@ def swing(scene: Scene, n: Numbers) -> Swing | None:
         return Swing(2.0 * math.pi * plate.frequency, plate.damping)
     if joint.wet_frequency is None:  # no sound in it: a sprung body that water flows round
         return Swing(2.0 * math.pi * plate.frequency / math.sqrt(joint.moved), plate.damping / joint.moved, joint.moved)
+    omega = 2.0 * math.pi * plate.frequency
+    carried = max(plate.wet, 1) * n.water.density * n.water.sound_speed / (plate.density * plate.thickness)
+    reflected = scene.fluid.column.reflection if n.water.model == "column" and carries_sound(scene) else 1.0
+    if reflected == 0.0 or (reflected < 1.0 and late(scene, n) <= RADIATES):
+        comes_back = -reflected if scene.fluid.column.far_end == "open" else reflected
+        moved = 1.0 + max(-4.0 * comes_back / (1.0 - comes_back) ** 2, 0.0) * (joint.moved - 1.0)
+        carried *= (1.0 + comes_back) / (1.0 - comes_back)
+        return Swing(omega / math.sqrt(moved), (plate.damping + carried) / moved, moved)
     if late(scene, n) > RADIATES:
-        omega = 2.0 * math.pi * plate.frequency
-        carried = max(plate.wet, 1) * n.water.density * n.water.sound_speed / (plate.density * plate.thickness)
         back = 2.0 * joint.depth / n.water.sound_speed
         return Swing(omega, plate.damping + carried, 1.0, 2.0 * carried / omega**2, back)
     return Swing(2.0 * math.pi * joint.wet_frequency, plate.damping / joint.moved, joint.moved)
