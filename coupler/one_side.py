@@ -11,6 +11,7 @@ from pathlib import Path
 
 from coupler.preflight.check import Preflight, actual
 from coupler.supervisor import PACKAGES
+from shared.run.curves import keep_curves
 from shared.run.plain import plain
 from shared.run.results import new_run_directory, read_result, write_result
 from shared.run.words import word
@@ -27,7 +28,7 @@ def run_one_side(
     run_dir = new_run_directory(out, case)
     with tempfile.TemporaryDirectory() as folder:
         path, kept = Path(folder) / f"{case}.toml", Path(folder) / "preflight.json"
-        path.write_text(dump_scene(scene), encoding="utf-8")
+        path.write_text(dump_scene(keep_curves(scene, Path(folder)), Path(folder)), encoding="utf-8")
         kept.write_text(json.dumps(plain(found.as_dict())), encoding="utf-8")
         command = [sys.executable, "-m", PACKAGES[side], "run", str(path), "--threads", str(threads[side])]
         command += ["--out", str(run_dir), "--preflight", str(kept)]

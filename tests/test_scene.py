@@ -298,3 +298,14 @@ def test_any_scene_survives_the_file(title, gravity, bodies, dx, study):
     scene = Scene.model_validate(data)
     again = Scene.model_validate_json(json.dumps(tomllib.loads(dump_scene(scene))), strict=True)
     assert again == scene
+
+
+def test_a_scene_in_a_folder_whose_name_is_not_utf_8_finds_its_curves(tmp_path):
+    """The curve's absolute path was told of as a mistake of the whole scene."""
+    folder = tmp_path / os.fsdecode(b"caf\xe9")
+    folder.mkdir()
+    (folder / "own.csv").write_text("time,x\n0.0,0.0\n2.0,1e-3\n")
+    (folder / "p.toml").write_text(dump_scene(load_scene("piston")), encoding="utf-8")
+    scene = load_scene(folder / "p.toml", ["references[0].curve=own.csv"])
+    assert scene.references[0].curve == str((folder / "own.csv").resolve())
+    assert 'curve = "own.csv"' in dump_scene(scene, folder)

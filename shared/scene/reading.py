@@ -28,8 +28,8 @@ def load_scene(case: str | Path, sets: Sequence[str] = ()) -> Scene:
     path = _find(case)
     data = read_toml(path)
     mistakes = apply_sets(data, sets)
-    _find_curves(data, path.parent)
     scene, breaches = validate(data)
+    scene = _with_curves(scene, path.parent)
     mistakes += breaches
     mistakes += check_scene(scene, readable=not mistakes)
     if mistakes:
@@ -100,14 +100,17 @@ def read_toml(path: Path) -> dict[str, Any]:
         raise BadInput(f"{path}: not TOML: {error}") from None
 
 
-def _find_curves(data: dict[str, Any], folder: Path) -> None:
-    """Make the references' curves absolute: relative to the scene's `folder`, or else to the shipped cases."""
-    references = data.get("references")
-    for reference in references if isinstance(references, list) else []:
-        curve = reference.get("curve") if isinstance(reference, dict) else None
-        if isinstance(curve, str):
-            places = (folder / curve, _cases_folder() / curve)
-            reference["curve"] = next((str(p.resolve()) for p in places if p.is_file()), curve)
+def _with_curves(scene: Scene, folder: Path) -> Scene:
+    """The scene with absolute paths of its references' curves: relative to its `folder`, or else to the shipped cases.
+    A folder's name need not be text, as all in a scene's file is."""
+    references = []
+    for reference in scene.references:
+        if reference.curve is not None:
+            places = (folder / reference.curve, _cases_folder() / reference.curve)
+            curve = next((str(place.resolve()) for place in places if place.is_file()), reference.curve)
+            reference = reference.model_copy(update={"curve": curve})
+        references.append(reference)
+    return scene.model_copy(update={"references": references})
 
 
 def _is_tables(value: Any) -> bool:
