@@ -384,3 +384,14 @@ def test_other_sources_differ_in_more_than_the_last_bits(cut, capsys, monkeypatc
     monkeypatch.setattr("shared.run.results._sources", lambda: "other")
     unfinished(cut)
     assert "warning: results may differ: sources " in capsys.readouterr().err
+
+
+@pytest.mark.parametrize(("lacking", "words"), [("wall_s", "does not fit this run"), ("notes", "is damaged")])
+def test_a_checkpoint_of_another_version_says_so(cut, lacking, words):
+    for path in cut.glob("checkpoints/*/manifest.json"):
+        manifest = json.loads(path.read_text())
+        kept = {name: value for name, value in manifest.items() if name not in ("sum", lacking)}
+        manifest["notes"].pop(lacking, None)
+        path.write_text(json.dumps(kept))
+    with pytest.raises(BadInput, match=words):
+        unfinished(cut)

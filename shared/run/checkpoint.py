@@ -184,7 +184,7 @@ def _spoiled(folder: Path) -> list[str]:
     try:
         manifest = json.loads((folder / _MANIFEST).read_text())
         sum_ = manifest.pop("sum", None)  # earlier versions had none
-        parts = manifest["parts"].items()
+        parts, _, _, _ = manifest["parts"].items(), manifest["window"], manifest["t"], manifest["notes"]
     except (OSError, ValueError, KeyError, TypeError, AttributeError):
         return [_MANIFEST]
     if sum_ is not None and _sum(manifest) != sum_:

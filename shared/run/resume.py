@@ -11,7 +11,7 @@ from pathlib import Path
 from typing import Any, TextIO
 
 from shared.contract import BadInput
-from shared.run.checkpoint import FOLDER, Checkpoint, newest
+from shared.run.checkpoint import FOLDER, Checkpoint, misfit, newest
 from shared.run.claims import claim
 from shared.run.plain import plain
 from shared.run.record import keep_scene
@@ -23,6 +23,7 @@ from shared.schema.scene import Scene
 from shared.streams import say
 
 _FREE = ("coupling.stall_after", "output.checkpoint_every")  # keys that no result depends on
+_NOTES = ("case", "scene", "threads", "probe_rows", "wall_s", "preflight", "environment")
 
 
 @dataclass(frozen=True)
@@ -57,12 +58,14 @@ def _found(run_dir: Path) -> tuple[Scene, Checkpoint]:
     if isinstance(result, dict) and result.get("status") == "finished":
         raise BadInput(f"The run in {run_dir} has finished: there is nothing to go on with.")
     last, case = newest(run_dir), run_dir / "case.toml"
+    if lacking := [note for note in _NOTES if note not in last.notes]:
+        raise misfit(last.folder, KeyError(", ".join(lacking)))
     _warn_of(last.passed_over, f"an older one is taken, t = {last.time:.4g} s")
     if not case.exists():
         keep_scene(run_dir, last.notes["scene"])
     scene = load_scene(case)
     text = case.read_text(encoding="utf-8-sig")
-    if changes := _changes(last.notes.get("scene", text), text):
+    if changes := _changes(last.notes["scene"], text):
         raise BadInput(
             f"{case} is not the scene that the run went by up to t = {last.time:.4g} s: {'; '.join(changes)}. Put it "
             f"back and resume, or run it from the start: coupler run {shlex.quote(word(case))} --out DIR"
