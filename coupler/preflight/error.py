@@ -31,8 +31,9 @@ worst found; dx spacing of the fluid. The structure's part, and what its swing a
     a body that swings in water of particles 1.5 dx/d (wcsph), 0.5 dx/d (ctvf), d its thickness if that is less; the
                        depth where it spans the water, which then moves as it does                a sprung floor
     a plate that swings in water of particles: the layer δ that artificial viscosity drags along, δ/L of a time and
-                       2 δ/L of a peak, L the plate's length: found 0.5 to 0.7, and a damping ratio of δ/L
-                                                                            a cantilever on a floor, α 0.01 and 0.1
+                       2 δ/L of a peak, L the plate's length: found 0.5 to 0.7, and a damping ratio of δ/L; of a sprung
+                       body by the water's share of what swings, and no bound of a period where it comes to rest before
+                       the end                    a cantilever on a floor, a sprung block 10 dx wide, α 0.01 and 0.1
     pressures over faces (coupling.loads = pressure): no bound of a body with water of particles on two sides, whose net
                        is a small difference of them: where it has moved out of the water's lattice, 1 to 6 % off that
                        of the forces with h = 2 dx, 5 to 8 % with 1.3 dx, 50 to 80 % at a depth of nine thicknesses; on
@@ -58,6 +59,7 @@ from coupler.preflight.error_solid import (
     TIMES,
     UNKNOWN,
     of_structure,
+    periods,
     swing_at_the_end,
     swing_in_a_mean,
 )
@@ -176,7 +178,9 @@ def _at_rest(scene: Scene, n: Numbers, floats: bool) -> float:
         smooth = SMOOTH[water.model] * water.dx
         if n.joint.closes:  # it carries all the water along, and none flows round it
             return smooth / water.height * (0.5 if scene.goal.statistic in TIMES else 1.0) + _sounding(scene, n)
-        return smooth / min(water.width, n.plate.thickness)
+        if scene.goal.statistic == "period" and _dies(scene, n):
+            return UNKNOWN
+        return smooth / min(water.width, n.plate.thickness) + _slowed(scene, n)
     crowded = EASED if scene.fluid.h_over_dx >= CROWD else 1.0
     error = REST[water.model] * water.dx / water.height * crowded * _left_of_weight(scene, n)
     if probe is not None and probe.quantity == "pressure":
@@ -188,8 +192,21 @@ def _at_rest(scene: Scene, n: Numbers, floats: bool) -> float:
     if _across(scene):
         error += 2.0 * math.hypot(*scene.gravity) * water.height / (3.0 * water.sound_speed**2)
     if not steady:
-        error += _sounding(scene, n) + (DRAGGED if scene.goal.statistic in TIMES else DAMPED) * dragged(scene, n)
+        error += _sounding(scene, n) + _slowed(scene, n)
     return error + (_waterline(scene, n, probe) if floats else 0.0)
+
+
+def _slowed(scene: Scene, n: Numbers) -> float:
+    """Of a swing by what artificial viscosity drags along with it."""
+    return (DRAGGED if scene.goal.statistic in TIMES else DAMPED) * dragged(scene, n)
+
+
+def _dies(scene: Scene, n: Numbers) -> bool:
+    """Whether what drags and holds a sprung body ends its swing before the run, within the middle of its extremes,
+    (1 − e^(−πζ))/2 of the first; then crossings of the middle are no period."""
+    damping = 2.0 * math.pi * (dragged(scene, n) + lattice_hold(scene, n))
+    seen = periods(scene, n)
+    return seen is not None and math.exp(-damping * seen) < -0.5 * math.expm1(-0.5 * damping)
 
 
 def stirred(scene: Scene, n: Numbers) -> bool:

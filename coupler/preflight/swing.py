@@ -100,7 +100,11 @@ def radiates(scene: Scene, n: Numbers) -> bool:
 
 def dragged(scene: Scene, n: Numbers) -> float:
     """Depth of the layer of water that artificial viscosity drags along with a plate that it flows round, over the
-    plate's length; 0 of water that moves along as a column."""
+    plate's length, of a sprung body by the water's share of what swings; 0 of water that moves along as a column."""
+    sprung = n.joint is not None and n.plate.model == "spring" and n.plate.wet >= 2 and n.plate.frequency is not None
+    if sprung and of_particles(n) and n.water.rests and not n.joint.closes and not n.joint.parts:
+        layer = n.water.dragged_layer(swing(scene, n).omega) / n.plate.length
+        return layer * (1.0 - 1.0 / n.joint.moved)
     swings = n.joint is not None and n.joint.wet_frequency is not None and n.plate.clamps
     if not swings or not of_particles(n) or not n.water.rests or n.joint.closes:
         return 0.0
