@@ -130,6 +130,25 @@ def test_a_lattice_that_melts_makes_a_full_box_ring(tmp_path):
     assert 0.2 < bound_of(open_above) < 0.75, "its surface lets sound out; deeper blocks are dragged and held as told"
 
 
+def test_a_full_box_that_a_wall_squeezes_is_pulled_apart(tmp_path):
+    """Found: pressures on a closed column's end 22 % (wcsph), 100 % (ctvf) too large, 240 and 130 % with h = 2 dx,
+    where a piston moves by a fifth of dx, and 10 % at a fiftieth; 12 and 7 % were told."""
+    times = [0.0125 * k for k in range(161)]
+    rest = '[[walls]]\nname = "rest"\npolyline = [[-0.12, -0.1], [0.1, -0.1], [0.1, 0.1], [-0.12, 0.1]]\n[[probes]]'
+
+    def squeezed(way, *sets):
+        text = SHAKEN.split("[solid]")[0].replace(", difference", ", rectangle = [-0.1, -0.1, 0.1, 0.1] }]\n#")
+        text = text.replace("\n  { rectangle", "\n# { rectangle").replace("WALL", "[[-0.1, 0.14], [-0.1, -0.14]]")
+        motion = f"motion = {{ times = {times}, translation = {[[way * eased(time), 0.0] for time in times]} }}\n"
+        probe = SHAKEN[SHAKEN.index("[[probes]]") :].replace('"block"', '"rest"')
+        return scene_of(text + motion + probe.replace("[[probes]]", rest), tmp_path, sets)
+
+    for sets in ([], ["fluid.model=ctvf"], ["fluid.h_over_dx=1.3"]):
+        assert bound_of(squeezed(2e-3, *sets)) == math.inf
+    assert any("a wall squeezes" in rung.reason for rung in ladder(squeezed(2e-3)))
+    assert bound_of(squeezed(2e-4)) < 0.2
+
+
 def test_what_shakes_water_faster_than_its_sound_has_no_bound(tmp_path):
     scene = shaken(tmp_path, 1e-3, sets=["fluid.sound_speed=1.5"])
     assert bound_of(scene) == math.inf

@@ -8,6 +8,9 @@ jolt         what a jump of speed or acceleration at the motion's start or end s
 stirred      from a way of a quarter of dx on the lattice melts, and as it does sets the water's lowest sound ringing:
              5 dx/d under a surface (found 0.1 to 0.4 at 20 across); no bound in a full box (0.15 to 0.7 at 20 and 40
              across, with any h, alpha and model)                                        a block shaken in a box
+             nor in one that a wall squeezes, from a fiftieth of dx on: nothing presses on it, so half of the time it is
+             under tension, which pulls a lattice apart (0.1 to 2.4 too large at 0.1 to 0.2 dx, with any h and model)
+                                                                        a piston on a closed column
 dragged      by artificial viscosity, with its push and a quarter of a period off it: √((1 + (δ/L)²)² + (2.7 δ/L)²) − 1
              by the layer δ = √(2 ν/ω) and the body's length L (found 0 to 3 for 1, 2.3 to 2.8)
 held         by a lattice under pressure (error_lattice.py), over the push, ρ a by the disc across the way, half as
@@ -41,6 +44,7 @@ from shared.schema.scene import Scene
 SHAKEN = "what is moved"
 QUARTER_WAVE = math.pi / 2.0
 MELTS = 0.25  # of dx: with it forces are 7 % off, with half of dx 75 %
+SQUEEZED = 0.02  # of dx, by a wall of a full box: with it pressures are 10 % off, with 0.2 22 to 240 %
 BESIDE = 2.7  # of δ/L: what artificial viscosity drags along a quarter of a period off the push
 STOKES, ACROSS = 8.0, 0.7
 
@@ -73,6 +77,11 @@ def why_unknown(scene: Scene, n: Numbers) -> str:
         return "the water is shaken faster than its sound crosses it: it is squeezed and rings; a higher sound_speed"
     if any(math.isinf(one.jolt(n.water.sound_speed)) for one in shakers(scene)):
         return "a motion that jumps to its speed sets the water ringing, and nothing else pushes it"
+    if any(not one.structure and one.way <= MELTS * n.water.dx for one in shakers(scene)):
+        return (
+            "a full box that a wall squeezes is under tension half of the time, which pulls its particles apart: give "
+            "the water a surface, or judge a mean or a motion"
+        )
     return (
         "a full box rings as its lattice melts, and no surface lets it out: judge a mean or a motion, or give the "
         f"water a surface; ways below {MELTS:g} fluid.dx do not melt it"
@@ -83,7 +92,8 @@ def _stirred(scene: Scene, n: Numbers, shaker: Shaker) -> float:
     carried = scene.solid is None and all(wall.motion == shaker.motion for wall in scene.walls)
     sides, top, _ = unbacked(scene)
     full = not sides and not top
-    if shaker.way <= MELTS * n.water.dx or (carried and full):  # all moves as one
+    least = SQUEEZED if full and not shaker.structure else MELTS
+    if shaker.way <= least * n.water.dx or (carried and full):  # all moves as one
         return 0.0
     return math.inf if full else FLOW * n.water.dx / n.water.width
 
