@@ -21,9 +21,11 @@ from dataclasses import dataclass
 import numpy as np
 
 from coupler.preflight.finding import STEADY
+from coupler.preflight.gravity import upward
 from coupler.preflight.numbers import Numbers
 from coupler.preflight.plate import goals_probe, goals_quantity
 from shared.geometry.regions import corners_of
+from shared.geometry.segments import right_of
 from shared.geometry.shakers import shakers
 from shared.schema.fluid import VelocityField
 from shared.schema.scene import Scene
@@ -50,7 +52,7 @@ def wave_of(scene: Scene, n: Numbers) -> Wave | None:
     if not n.water.waves:
         return None
     g, deep = math.hypot(*scene.gravity), n.water.height
-    across = np.array([-scene.gravity[1], scene.gravity[0]]) / g
+    across = right_of(upward(scene))
     along = corners_of(scene.fluid.bodies) @ across
     fields = [body.velocity_field for body in scene.fluid.bodies if body.velocity_field and body.velocity_field.speed]
     makers = [one for one in shakers(scene) if not one.structure]
@@ -110,8 +112,7 @@ def _seen(scene: Scene, maker: np.ndarray, along: np.ndarray, group: float) -> f
     none is back from the far end; else until the end."""
     if scene.goal is None or goals_quantity(scene) != "elevation":
         return scene.end_time
-    g = math.hypot(*scene.gravity)
-    gauge = (np.asarray(goals_probe(scene).point) @ (-scene.gravity[1], scene.gravity[0])) / g
+    gauge = np.asarray(goals_probe(scene).point) @ right_of(upward(scene))
     way = float(np.abs(maker - gauge).min())
     back = 2.0 * float(np.abs(along[:, None] - maker).min(axis=1).max()) - way
     return way / group if group * scene.end_time < back else scene.end_time
