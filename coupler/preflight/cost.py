@@ -25,6 +25,7 @@ PARTICLE_S = {"ctvf": 2.8e-7, "wcsph": 2.2e-7, "still": 0.0, "column": 0.0}
 PAIR_SHARE = 0.6  # of that goes to pairs, in proportion to a particle's neighbours
 SOLID_STEP_S = {"total-lagrangian": 1.6e-5, "ctvf": 5e-5, "beam": 3e-5, "rigid": 2e-5, "spring": 5e-5}
 SOLID_PARTICLE_S = {"total-lagrangian": 8e-8, "ctvf": 2.4e-7, "beam": 2.5e-7, "rigid": 0.0, "spring": 0.0}
+"""Per step of the structure, whatever its size; per particle, or node of a beam, and step."""
 LINEAR_SHARE = 0.8  # of the quadratic gradient's cost per particle, model ctvf of the solid
 WINDOW_S = 2.1e-3
 """Per coupling window and iteration: messages, bookkeeping (dam_break_plate, 0.5 ms on either side, 1.1 in the
@@ -41,7 +42,7 @@ START_S = 1.5
 _NEIGHBOURS_RADIUS = 2.6  # support over dx of the table's fluid
 _DEVELOPED = 1.0 / 10.0  # mean speed of a flow over c0 beyond that at t = 0
 _CALIBRATION_S = 0.15
-_REFERENCE_LOOPS_PER_S = 2.36e5
+_REFERENCE_LOOPS_PER_S = 2.36e5  # of the calibration on the table's machine
 _LOOP_POINTS = 1000  # stays in the first cache
 
 

@@ -21,7 +21,7 @@ from shared.geometry.regions import own_box, turn
 from shared.schema.scene import Scene
 
 RESONANCE = "resonance with a time table"
-_PER_PERIOD = 40.0
+_PER_PERIOD = 40.0  # steps of the oscillator
 _MOST = 1e6  # steps; past them, hours of any model
 _WRONG = np.array([1.0, 0.5, 0.25])  # of the error: a resonance may lie between
 

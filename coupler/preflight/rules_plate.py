@@ -17,7 +17,7 @@ from shared.solid_step import LARGEST_UPDATED_COURANT, LATTICE_LIMIT, LATTICE_SH
 SLENDER_WARN, SLENDER_REFUSE = 5.0, 3.0
 CAUCHY_WARN, CAUCHY_REFUSE = 30.0, 1000.0  # dam_break_plate has 2.5, dam_break_gate 15: both bend by half their length
 ACROSS_WARN, ACROSS_REFUSE = 4.0, 3.0
-POISSON_WARN = 0.49
+POISSON_WARN = 0.49  # as far as it was tried
 EULER_SAID, EULER_WARN = 0.5, 0.9  # of Euler's load
 DRAG_WARN = 0.1  # of a body's weight and inertia
 STRAIN_SAID, STRAIN_WARN = 0.05, 0.1

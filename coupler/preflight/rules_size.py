@@ -12,7 +12,7 @@ from shared.schema.scene import Scene
 from shared.schema.solid import PARTICLE_MODELS
 
 AREA_WARN = 0.02  # of a body's area that its particles hold too much or too little
-AREA_EXACT = 5e-5
+AREA_EXACT = 5e-5  # of it, below which nothing is said of the difference
 LIMB_WARN = 0.1  # of the bending compliance of a body's limbs
 STEPS_WARN, STEPS_REFUSE = 1e9, 1e13  # hours of the smallest scene; years
 MOST_FILLED = 2e5  # cells of a body that pre-flight fills: with more, the error is far below AREA_WARN

@@ -15,7 +15,7 @@ from shared.fluid_step import COURANT
 from shared.scene.sides import probe_rows
 from shared.schema.scene import Scene
 
-WINDOWS_PER_PERIOD = 20.0
+WINDOWS_PER_PERIOD = 20.0  # of the plate's swing, where the fluid has no steps of its own
 GROWTH_WARN = 100.0
 """Times that lag makes a swing on a column grow until the end, past which no error is bound. A peak of the piston is
 0.1 % off at 10, 0.6 % at 120, 22 % at 1e4 (order 0, serial)."""

@@ -18,7 +18,7 @@ from shared.geometry.regions import Same, area, outline_own, own_box, own_size
 from shared.geometry.segments import directions, lengths, right_of
 from shared.schema.geometry import Shape
 
-SLENDER = 0.75
+SLENDER = 0.75  # thickness over the box's smaller side
 FITS = 0.02  # of a bending compliance
 _POINTS = 400  # along the outline, and one per segment
 _THICK = 2.0  # times the body's thickness: ways through joints and along limbs, which say nothing of bending
