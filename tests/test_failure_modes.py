@@ -167,6 +167,13 @@ MODES = (
         flagged="Helmholtz",
     ),
     Mode(
+        "waves on a lattice that bears shear",
+        "standing_wave",
+        spoil=("fluid.h_over_dx=1.3",),
+        cure=("fluid.h_over_dx=1.52",),
+        flagged="h/dx",
+    ),
+    Mode(
         "viscous stresses of few neighbours",
         "lid_cavity",
         spoil=("fluid.viscosity=0.1",),

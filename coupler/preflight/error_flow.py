@@ -4,13 +4,14 @@ flow               where water falls and splashes 5 dx/d, d its least extent at 
                    dx/d (ctvf), 1.5 dx/d (wcsph) where it is held and circulates     dam_break_plate, taylor_green,
                    a flap in a splash, by spacings from 3.3 to 0.6 mm: 3.2 to 4.4, scattered by 1
 wave's wear        what artificial viscosity takes, at most 2 ν k² a second (wcsph; found 0.4 to 0.9 of it), 0.6 of it
-                   (ctvf; 0.3 to 0.5), 0.15 more in a period with less than 40 neighbours: of a height by its age, of an
+                   (ctvf; 0.3 to 0.5), 0.15 more in a period where its lattice is stiff: of a height by its age, of an
                    energy twice, of a rate over 2 ν k² of the fluid's own; none of that without. (2 ν k²)²/(2 ω²) of a
                    period; at the end what its phase φ is late, φ |tan ωt| + φ²/2 of a speed, an energy twice, of an
                    elevation by the cotangent. None where it is torn (waves.py)           seiches, α 0.02 to 0.3
-wave's period      0.25 % and what was found: 7.33 x^1.7 (ctvf), 17.2 x^1.9 (wcsph) too long, x = dx/wavelength, and
-                   0.8 % too short at any x, for a lattice under pressure bears shear: the two cancel near x = 0.02;
-                   8 % more with less than 40 neighbours, whose lattice bears more            standing_wave
+wave's period      0.25 % and what was found with h = 2 dx: 7.7 x^1.75 (ctvf), 18.9 x^1.94 (wcsph) too long, x =
+                   dx/wavelength, with wendland-c2 as its reach squared (ctvf), to the fourth (wcsph); and too short at
+                   any x by the shear that a lattice bears under pressure (lattice_shear.py), or 0.6 of what it leaves
+                   its rows by either way                                                     standing_wave
                    without viscosity of its own a lattice melts late: 0.5 % (ctvf), 0.9 % (wcsph) more either way,
                    and dx over a wave's height at the start times that where it is lower than dx     seiches
 surface's height   besides, over its way from the gauge, the wave's height counted: the level of settled water,
@@ -18,8 +19,8 @@ surface's height   besides, over its way from the gauge, the wave's height count
 lid beside walls   0.92 (dx/width)^0.55 besides: 14, 9, 7 % at the centre of a box 25, 50, 100 dx wide (ctvf);
                    none below 25 dx or a Reynolds number of 100, nor with h = 2 dx, nor where nothing shifts particles
                    (wcsph): there water tears off the lid in the corner, and comes to rest               lid_cavity
-waves' heights     as flow that is held, and with less than 40 neighbours 20 % more, for such a lattice bears waves
-                   of its spacing's height; at any dx                                          a wavemaker
+waves' heights     as flow that is held, and 20 % more where that lattice is stiff, for it bears waves of its
+                   spacing's height; at any dx                                                 a wavemaker
 viscous stresses   3.6 (h/λ)², λ the shear wave's length, twice a channel's width; 0.12 (1.3 dx/h)^5 for few
                    neighbours in disorder, at any dx; artificial over own viscosity           taylor_green, Poiseuille
                    alone where its weight, or walls that slide, drive the water along a period, beside the flow's where
@@ -39,10 +40,10 @@ import math
 import numpy as np
 
 from coupler.preflight.finding import STEADY
+from coupler.preflight.lattice_shear import restless, stiff, too_fast
 from coupler.preflight.numbers import Numbers
 from coupler.preflight.plate import goals_probe, goals_quantity
 from coupler.preflight.ploughed import ploughed
-from coupler.preflight.rules_water import LOOSE
 from coupler.preflight.waves import Wave, torn, wave_of
 from shared.expected_speed import start_speed
 from shared.geometry.regions import outline
@@ -52,11 +53,12 @@ from shared.schema.probes import Probe
 from shared.schema.scene import Scene
 
 SMOOTH = {"ctvf": 0.5, "wcsph": 1.5}
-WAVE = {"ctvf": (7.33, 1.7), "wcsph": (17.2, 1.9)}
-WAVE_LATTICE, WAVE_MARGIN = 0.008, (1.2, {"ctvf": 0.0025, "wcsph": 0.003})
+WAVE = {"ctvf": (7.7, 1.75, 2), "wcsph": (18.9, 1.94, 4)}  # factor, powers of dx/wavelength and of the reach over 4 dx
+WAVE_MARGIN = (1.2, {"ctvf": 0.0025, "wcsph": 0.003})
+LEFT = 0.6  # of what a lattice leaves its rows by
 UNMELTED = {"ctvf": 0.005, "wcsph": 0.009}  # of a period, where no viscosity of its own breaks the lattice
 GAUGE = 0.2  # of dx: what particles that come and go put on a surface that moves
-LATTICE, WAVES = 0.08, 0.2  # of a period and of a height, where a lattice bears waves
+WAVES = 0.2  # of a height, where a lattice bears waves
 FLOW, FRONT = 5.0, 1.4
 VISCOUS = 3.6  # of (h/wavelength)²: the kernel smooths the stresses of a shear wave
 ENOUGH = 2.0  # h/dx from which walls hold a bent profile too softly
@@ -83,7 +85,7 @@ def flow_error(scene: Scene, n: Numbers) -> float:
     if torn(scene, n):
         return math.inf
     if goal.statistic == "wave-period":
-        return _period(scene, n, wave) + (LATTICE if _stiff(n) else 0.0)
+        return _period(scene, n, wave)
     if water.free and quantity in MOTIONS and goal.statistic in ("final", "max"):
         return _let_go(scene, n) * (2.0 if quantity == "kinetic-energy" else 1.0)
     if not water.held:
@@ -105,7 +107,7 @@ def flow_error(scene: Scene, n: Numbers) -> float:
         flow += off_level(scene, n, probe, GAUGE, wave.height if wave is not None else 0.0)
     if wave is not None:
         flow += _worn(scene, n, wave, quantity)
-    return flow + (WAVES if water.waves and goal.statistic not in STEADY and _stiff(n) else 0.0)
+    return flow + (WAVES if water.waves and goal.statistic not in STEADY and stiff(scene) else 0.0)
 
 
 def off_level(scene: Scene, n: Numbers, probe: Probe, share: float, height: float = 0.0) -> float:
@@ -123,7 +125,7 @@ def _over_gauge(scene: Scene, probe: Probe) -> float:
 
 def _wear(scene: Scene, n: Numbers, wave: Wave) -> float:
     """Rate [1/s] at which a wave's height falls by what is not the fluid's own viscosity."""
-    few = FEW_WEAR * wave.omega / (2.0 * math.pi) if _stiff(n) else 0.0
+    few = FEW_WEAR * wave.omega / (2.0 * math.pi) if stiff(scene) else 0.0
     return WEAR[n.water.model] * 2.0 * n.water.artificial * wave.k**2 + few
 
 
@@ -209,8 +211,11 @@ def _let_go(scene: Scene, n: Numbers) -> float:
 def _period(scene: Scene, n: Numbers, wave: Wave | None) -> float:
     """Of the period of a wave."""
     model = n.water.model
-    (factor, power), (times, more) = WAVE[model], WAVE_MARGIN
-    error = times * abs(factor * (n.water.dx / _wavelength(scene, n)) ** power - WAVE_LATTICE) + more[model]
+    (factor, power, reach), (times, more), length = WAVE[model], WAVE_MARGIN, _wavelength(scene, n)
+    wide = n.water.support / (4.0 * n.water.dx) if scene.fluid.kernel == "wendland-c2" else 1.0
+    slow = factor * (n.water.dx / length) ** power * wide**reach
+    fast = too_fast(scene.fluid.kernel, scene.fluid.h_over_dx, 2.0 * math.pi * n.water.height / length)
+    error = times * abs(slow - fast) + more[model] + LEFT * restless(scene)
     if wave is not None:
         error += 0.5 * times * (2.0 * n.water.artificial * wave.k**2 / wave.omega) ** 2
     if scene.fluid.viscosity > 0.0:
@@ -223,7 +228,3 @@ def _wavelength(scene: Scene, n: Numbers) -> float:
     """The shortest wave's length [m] that the water starts with; without one its least extent."""
     fields = (body.velocity_field for body in scene.fluid.bodies)
     return min((field.wavelength for field in fields if field is not None), default=n.water.width)
-
-
-def _stiff(n: Numbers) -> bool:
-    return n.water.support < LOOSE * n.water.dx

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 
 from coupler.preflight.finding import PUSHES, STEADY, Finding, above, below, graded, of_particles
+from coupler.preflight.lattice_shear import LOOSEST, shear_moduli, stiff
 from coupler.preflight.numbers import Numbers
 from coupler.preflight.plate import goals_quantity
 from coupler.preflight.ploughed import ploughed
@@ -25,7 +26,7 @@ CREEPING = 50.0  # Reynolds number below which viscous stress is all there is: a
 WORN_OUT = 100.0  # dam_break has 450; a jet of 75 loses half of its energy on a plate
 WATER_ACROSS_WARN = 8.0
 H_OVER_DX = {"wendland-c2": (1.0, 3.0), "quintic-spline": (0.9, 1.6)}  # fewer: noise; more: pairs
-LOOSE = 3.5  # support over dx from which a lattice is loose enough for small waves
+STRESSES = 3.5  # support over dx from which viscous stresses are right in a neighbourhood in disorder
 H_OVER_DX_FALLING = 1.7  # dam_break_wall at 2.0: energy up by 0.1 to 0.3 %
 
 
@@ -97,9 +98,12 @@ def neighbours(scene: Scene, n: Numbers) -> Finding | None:
     value, kernel = scene.fluid.h_over_dx, scene.fluid.kernel
     least, most = H_OVER_DX[kernel]
     most = most if n.water.held else min(most, H_OVER_DX_FALLING)
-    if n.water.waves and n.water.support < LOOSE * n.water.dx:
-        waves = "with so few neighbours a lattice bears waves of its spacing's height: lower by a fifth, at any dx"
-        return Finding("h/dx", value, "warn", waves, "fluid.h_over_dx = 2.0")
+    if n.water.waves and stiff(scene):
+        waves = (
+            f"a lattice under pressure bears shear, {100 * max(shear_moduli(kernel, value)):.2g} % of it here: waves "
+            "of its spacing's height are lower by a fifth, at any dx"
+        )
+        return Finding("h/dx", value, "warn", waves, f"fluid.h_over_dx = {LOOSEST[kernel]} costs about as much")
     if torn(scene, n):
         pulled = "tension clumps particles at the waterline of walls, which then shoot out: the water gains energy"
         cure = "fluid.negative_pressure = none" if scene.fluid.negative_pressure != "none" else "fluid.alpha = 0.02"
@@ -131,7 +135,7 @@ def viscosity(scene: Scene, n: Numbers) -> Finding | None:
     if own > 0.0 and artificial > ARTIFICIAL * own:
         why = f"{reason}: artificial viscosity, {artificial:.2g} m²/s, counts beside the fluid's own {own:.3g}"
         return Finding("Reynolds", value, "warn", why, "fluid.alpha = 0")
-    if own > 0.0 and value < CREEPING and w.support < LOOSE * w.dx:
+    if own > 0.0 and value < CREEPING and w.support < STRESSES * w.dx:
         why = f"{reason}: viscous stresses of so few neighbours are a tenth too small, at any dx"
         return Finding("Reynolds", value, "warn", why, "fluid.h_over_dx = 2.0 (1 %), 3.0 (a fraction)")
     if own == 0.0 and value < WORN_OUT:
