@@ -17,8 +17,8 @@ from coupler.ledger import Ledger
 from coupler.mapping import Mapping, build_mapping
 from coupler.memory import recall, remember
 from coupler.prediction import Predictor
-from coupler.preflight.numbers import scene_numbers
-from coupler.preflight.window import longest_window
+from coupler.preflight.measures.numbers import scene_numbers
+from coupler.preflight.measures.window import longest_window
 from coupler.recording import recording
 from coupler.remote import Remote, RemoteError
 from coupler.schemes import Coupled, probes

@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-from coupler.preflight.error import error_bound
+from coupler.preflight.bounds.error import error_bound
 from coupler.preflight.finding import Finding
-from coupler.preflight.numbers import scene_numbers
-from coupler.preflight.rules import findings
+from coupler.preflight.measures.numbers import scene_numbers
+from coupler.preflight.rules.findings import findings
 from shared.schema.scene import Scene
 
 

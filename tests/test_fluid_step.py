@@ -5,7 +5,7 @@ import logging
 import numpy as np
 import pytest
 
-from coupler.preflight.water import measure_water
+from coupler.preflight.measures.water import measure_water
 from fluid_solver.fields import U, V
 from fluid_solver.models import make_model
 from fluid_solver.parameters import gradient_factor

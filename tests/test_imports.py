@@ -1,11 +1,12 @@
 """Imports go one way: solvers and coupler import shared, never each other; physics never sees zenoh.
-Participants that ship as examples import nothing of this project.
+Participants that ship as examples import nothing of this project. Pre-flight measures, then bounds, then judges.
 
 The rules are read from the sources, so that an import inside a function counts as well. Each rule is also tried on
 sources that break it.
 """
 
 import ast
+import itertools
 import subprocess
 import sys
 from importlib.util import find_spec
@@ -23,6 +24,8 @@ MAY_IMPORT = {
 }
 # The in-process link, for tests and --link inprocess, makes the models that the processes would make.
 MAY_IMPORT_BY_NAME = {"coupler.inprocess"}
+# Pre-flight: what a scene's numbers are, how far off its run may be, what to say of it; each knows those before it.
+PREFLIGHT = [f"coupler.preflight.{part}" for part in ("measures", "bounds", "rules")]
 # What starts a solver as a process; everything else in a solver is physics.
 NOT_PHYSICS = {"cli", "__main__"}
 
@@ -67,6 +70,8 @@ def breaches(sources: dict[str, str]) -> list[str]:
                 allowed = name.startswith(("shared.link", "cases.participant"))
             if top == "?":
                 allowed = name in MAY_IMPORT_BY_NAME
+            for before, after in itertools.combinations(PREFLIGHT, 2):
+                allowed &= not (name.startswith(before) and imported.startswith(after))
             if not allowed:
                 found.append(f"{name} imports {imported}")
     return found
@@ -121,6 +126,8 @@ def test_physics_never_reaches_zenoh(sources):
         ("coupler.schemes", "import importlib\nimportlib.import_module('solid_solver.models')"),
         ("coupler.schemes", "from importlib import import_module\nimport_module(side + '_solver')"),
         ("coupler.schemes", "__import__('fluid_solver')"),
+        ("coupler.preflight.measures.water", "from coupler.preflight.rules import joint"),
+        ("coupler.preflight.bounds.flow", "from coupler.preflight.rules.water import mach"),
         ("coupler.supervisor", "import zenoh"),
         ("shared.participant", "from zenoh import Config"),
         ("cases.participant.spring", "from shared.wire import encode"),

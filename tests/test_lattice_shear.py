@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from scipy.integrate import quad
 
-from coupler.preflight.lattice_shear import LOOSEST, restless, shear_moduli, stiff, too_fast
+from coupler.preflight.bounds.lattice_shear import LOOSEST, restless, shear_moduli, stiff, too_fast
 from shared.kernels import evaluate, kernel_named
 from shared.run.statistics import statistic
 from shared.scene.reading import load_scene

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import pytest
 
-from coupler.preflight.numbers import scene_numbers
-from coupler.preflight.rules import RULES
+from coupler.preflight.measures.numbers import scene_numbers
+from coupler.preflight.rules.findings import RULES
 from fluid_solver.models import make_model as make_fluid
 from shared.scene.reading import load_scene, shipped_cases
 from solid_solver.models import make_model as make_solid

@@ -8,7 +8,7 @@ from types import SimpleNamespace
 import pytest
 
 from coupler.preflight.ladder import ladder, smallest
-from coupler.preflight.numbers import scene_numbers
+from coupler.preflight.measures.numbers import scene_numbers
 from fluid_solver.models import make_model
 from shared.commands import conclude
 from shared.contract import BadInput, Kinematics

@@ -10,7 +10,7 @@ import pytest
 from coupler.preflight.check import preflight
 from coupler.preflight.cost import predicted_cost
 from coupler.preflight.ladder import ladder, smallest
-from coupler.preflight.numbers import scene_numbers
+from coupler.preflight.measures.numbers import scene_numbers
 from coupler.preflight.table import near_miss_line
 from shared.scene.reading import load_scene
 from shared.schema.fluid import Fluid

@@ -5,9 +5,9 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from coupler.preflight.error_solid import of_structure
-from coupler.preflight.numbers import scene_numbers
-from coupler.preflight.rules import findings
+from coupler.preflight.bounds.solid import of_structure
+from coupler.preflight.measures.numbers import scene_numbers
+from coupler.preflight.rules.findings import findings
 from shared.geometry.limbs import bearing, limbs
 from shared.geometry.particles import fill
 from shared.scene.reading import load_scene

@@ -6,12 +6,12 @@ import math
 
 import pytest
 
-from coupler.preflight.error import error_bound
-from coupler.preflight.error_solid import not_bounded, of_structure
+from coupler.preflight.bounds.error import error_bound
+from coupler.preflight.bounds.solid import not_bounded, of_structure
 from coupler.preflight.ladder import ladder
-from coupler.preflight.numbers import scene_numbers
-from coupler.preflight.pressed import law_error, with_law
-from coupler.preflight.rules import findings
+from coupler.preflight.measures.numbers import scene_numbers
+from coupler.preflight.measures.pressed import law_error, with_law
+from coupler.preflight.rules.findings import findings
 from tests.preflights import verdicts_of
 from tests.scenes import scene_of
 from tests.test_preflight_structures import AT_ONE_END, CLAMPED

@@ -6,14 +6,14 @@ import math
 
 import pytest
 
-from coupler.preflight.afloat import buoyant_stiffness
-from coupler.preflight.error import error_bound, error_parts
-from coupler.preflight.error_lattice import HELD
-from coupler.preflight.error_solid import swing_in_a_mean
+from coupler.preflight.bounds.error import error_bound, error_parts
+from coupler.preflight.bounds.lattice import HELD
+from coupler.preflight.bounds.solid import swing_in_a_mean
 from coupler.preflight.ladder import ladder
-from coupler.preflight.numbers import scene_numbers
-from coupler.preflight.swing import swing
-from coupler.preflight.window import expected_plan
+from coupler.preflight.measures.afloat import buoyant_stiffness
+from coupler.preflight.measures.numbers import scene_numbers
+from coupler.preflight.measures.swing import swing
+from coupler.preflight.measures.window import expected_plan
 from coupler.window import make_plan, mass_ratio
 from fluid_solver.models import make_model as make_fluid
 from shared.contract import BadInput

@@ -7,9 +7,9 @@ import math
 
 import pytest
 
+from coupler.preflight.bounds.error import error_parts
 from coupler.preflight.check import preflight
-from coupler.preflight.error import error_parts
-from coupler.preflight.numbers import scene_numbers
+from coupler.preflight.measures.numbers import scene_numbers
 from shared.run.plain import plain
 from shared.scene.reading import load_scene
 from tests.scenes import SPRUNG, scene_of

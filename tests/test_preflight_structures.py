@@ -6,11 +6,11 @@ import math
 
 import pytest
 
-from coupler.preflight.error import error_bound
-from coupler.preflight.error_solid import of_structure
+from coupler.preflight.bounds.error import error_bound
+from coupler.preflight.bounds.solid import of_structure
 from coupler.preflight.ladder import ladder, smallest
-from coupler.preflight.numbers import scene_numbers
-from coupler.preflight.rules import findings
+from coupler.preflight.measures.numbers import scene_numbers
+from coupler.preflight.rules.findings import findings
 from shared.scene.reading import load_scene
 from shared.solid_step import LATTICE_SHARE, lattice_step
 from shared.solo import run_alone

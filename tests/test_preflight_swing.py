@@ -10,10 +10,10 @@ import math
 
 import pytest
 
-from coupler.preflight.error import error_bound
+from coupler.preflight.bounds.error import error_bound
 from coupler.preflight.ladder import ladder
-from coupler.preflight.numbers import scene_numbers
-from coupler.preflight.swing import radiates, swing
+from coupler.preflight.measures.numbers import scene_numbers
+from coupler.preflight.measures.swing import radiates, swing
 from shared.scene.reading import load_scene
 from tests.preflights import bound_of
 from tests.scenes import scene_of

@@ -7,12 +7,12 @@ import math
 import numpy as np
 import pytest
 
-from coupler.preflight.afloat import to_equilibrium
-from coupler.preflight.error_flow import flow_error
+from coupler.preflight.bounds.flow import flow_error
 from coupler.preflight.ladder import ladder, smallest
-from coupler.preflight.numbers import scene_numbers
-from coupler.preflight.rules import findings
-from coupler.preflight.water import covered, measure_water
+from coupler.preflight.measures.afloat import to_equilibrium
+from coupler.preflight.measures.numbers import scene_numbers
+from coupler.preflight.measures.water import covered, measure_water
+from coupler.preflight.rules.findings import findings
 from shared.scene.reading import load_scene
 from tests.preflights import bound_of, said_of
 from tests.scenes import scene_of

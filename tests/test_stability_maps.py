@@ -8,10 +8,10 @@ import math
 import numpy as np
 import pytest
 
-from coupler.preflight.error import error_bound
-from coupler.preflight.numbers import scene_numbers
-from coupler.preflight.rules import findings
-from coupler.preflight.rules_joint import ALPHA_REFUSE
+from coupler.preflight.bounds.error import error_bound
+from coupler.preflight.measures.numbers import scene_numbers
+from coupler.preflight.rules.findings import findings
+from coupler.preflight.rules.joint import ALPHA_REFUSE
 from coupler.stability.boundaries import Boundary, agreement, find_boundaries, place_of, write_map
 from coupler.stability.check import check_map
 from coupler.stability.lattice import largest_courant, wave_numbers

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from coupler.preflight.water import measure_water
+from coupler.preflight.measures.water import measure_water
 from shared.expected_speed import water_speed
 from shared.geometry.wall_speeds import lasting_faces, pushing_speed
 from shared.schema.fluid import Wall

@@ -19,9 +19,9 @@ from coupler.chart.outcome import missing, of_other_code
 from coupler.chart.runs import run_variants, was_alone
 from coupler.chart.truth import charted_value, find_truth, known_truth, spread
 from coupler.chart.variants import Variant, study_variants
+from coupler.preflight.bounds.error import error_bound
 from coupler.preflight.cost import Cost, calibrate, predicted_cost
-from coupler.preflight.error import error_bound
-from coupler.preflight.numbers import scene_numbers
+from coupler.preflight.measures.numbers import scene_numbers
 from shared.contract import BadInput
 from shared.run.results import output_folder
 from shared.run.statistics import relative_error

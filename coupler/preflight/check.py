@@ -9,13 +9,13 @@ import math
 from dataclasses import asdict, dataclass
 from typing import Any
 
+from coupler.preflight.bounds.error import error_bound
 from coupler.preflight.cost import Cost, calibrate, predicted_cost
-from coupler.preflight.error import error_bound
 from coupler.preflight.finding import Finding
 from coupler.preflight.ladder import Rung, ladder, near_miss, smallest
-from coupler.preflight.numbers import Numbers, scene_numbers
-from coupler.preflight.rules import findings
-from coupler.preflight.window import expected_window
+from coupler.preflight.measures.numbers import Numbers, scene_numbers
+from coupler.preflight.measures.window import expected_window
+from coupler.preflight.rules.findings import findings
 from shared.contract import BadInput
 from shared.schema.scene import Scene
 from shared.streams import say

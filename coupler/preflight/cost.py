@@ -13,8 +13,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from coupler.preflight.numbers import Numbers
-from coupler.preflight.window import expected_plan, expected_window
+from coupler.preflight.measures.numbers import Numbers
+from coupler.preflight.measures.window import expected_plan, expected_window
 from shared.scene.sides import probe_rows
 from shared.schema.scene import Scene
 

@@ -7,7 +7,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Literal
 
-from coupler.preflight.numbers import Numbers
+from coupler.preflight.measures.numbers import Numbers
 from shared.schema.fluid import PARTICLE_FLUIDS
 from shared.schema.probes import FORCES
 from shared.schema.scene import Scene

@@ -11,23 +11,23 @@ import math
 from dataclasses import dataclass, field, replace
 from typing import Literal
 
-from coupler.preflight.afloat import afloat
+from coupler.preflight.bounds.error import FACES, Parts, error_parts, stirred
+from coupler.preflight.bounds.flow import MOTIONS, lids
+from coupler.preflight.bounds.ploughed import ploughed
+from coupler.preflight.bounds.shaken import SHAKEN, why_unknown
+from coupler.preflight.bounds.solid import PHASE, SWING, not_bounded
+from coupler.preflight.bounds.waves import torn
 from coupler.preflight.cost import Cost, predicted_cost
-from coupler.preflight.error import FACES, Parts, error_parts, stirred
-from coupler.preflight.error_flow import MOTIONS, lids
-from coupler.preflight.error_shaken import SHAKEN, why_unknown
-from coupler.preflight.error_solid import PHASE, SWING, not_bounded
 from coupler.preflight.finding import STEADY
-from coupler.preflight.numbers import Numbers, scene_numbers
-from coupler.preflight.plate import goals_probe, goals_quantity, of_a_body, plates_body
-from coupler.preflight.ploughed import ploughed
-from coupler.preflight.rules import findings
-from coupler.preflight.rules_joint import helmholtz
-from coupler.preflight.shapes import CROWDED, crowding
+from coupler.preflight.measures.afloat import afloat
+from coupler.preflight.measures.numbers import Numbers, scene_numbers
+from coupler.preflight.measures.plate import goals_probe, goals_quantity, of_a_body, plates_body
+from coupler.preflight.measures.shapes import CROWDED, crowding
+from coupler.preflight.measures.water import measure_water
+from coupler.preflight.measures.window import GROWTH_WARN, lag_growth
+from coupler.preflight.rules.findings import findings
+from coupler.preflight.rules.joint import helmholtz
 from coupler.preflight.variations import bends_at_points, coupled, dampings, fits, has_particles, refined, with_models
-from coupler.preflight.water import measure_water
-from coupler.preflight.waves import torn
-from coupler.preflight.window import GROWTH_WARN, lag_growth
 from shared.scene.checks import check_scene
 from shared.schema.fluid import PARTICLE_FLUIDS
 from shared.schema.scene import Scene

@@ -10,8 +10,8 @@ from rich.table import Table
 
 from coupler.preflight.check import Preflight
 from coupler.preflight.ladder import Rung
-from coupler.preflight.numbers import Numbers, scene_numbers
-from coupler.preflight.window import expected_plan, expected_window
+from coupler.preflight.measures.numbers import Numbers, scene_numbers
+from coupler.preflight.measures.window import expected_plan, expected_window
 from shared.schema.scene import Scene
 
 _COLOURS = {"ok": "green", "warn": "yellow", "refuse": "red", "smallest": "green", "enough": "", "not enough": "yellow"}

@@ -6,12 +6,12 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 from coupler.preflight.finding import STEADY
-from coupler.preflight.numbers import Numbers, scene_numbers
-from coupler.preflight.plate import goals_quantity
-from coupler.preflight.rules_joint import SUPPORT_WARN
-from coupler.preflight.rules_plate import ACROSS_WARN
-from coupler.preflight.rules_water import WATER_ACROSS_WARN
-from coupler.preflight.swing import swing
+from coupler.preflight.measures.numbers import Numbers, scene_numbers
+from coupler.preflight.measures.plate import goals_quantity
+from coupler.preflight.measures.swing import swing
+from coupler.preflight.rules.joint import SUPPORT_WARN
+from coupler.preflight.rules.plate import ACROSS_WARN
+from coupler.preflight.rules.water import WATER_ACROSS_WARN
 from shared.schema.fluid import PARTICLE_FLUIDS, Column
 from shared.schema.probes import FORCES, REACTIONS
 from shared.schema.scene import Scene

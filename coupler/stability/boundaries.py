@@ -10,8 +10,8 @@ from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
 
-from coupler.preflight.numbers import scene_numbers
-from coupler.preflight.rules import findings
+from coupler.preflight.measures.numbers import scene_numbers
+from coupler.preflight.rules.findings import findings
 from coupler.stability.check import check_map
 from coupler.stability.kept import Remembered, remembered
 from coupler.stability.map import Method, StabilityMap

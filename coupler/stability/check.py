@@ -5,8 +5,8 @@ from __future__ import annotations
 import itertools
 from collections.abc import Iterator
 
-from coupler.preflight.numbers import scene_numbers
-from coupler.preflight.rules import findings
+from coupler.preflight.measures.numbers import scene_numbers
+from coupler.preflight.rules.findings import findings
 from coupler.stability.map import Method, StabilityMap
 from coupler.stability.runs import cell_scene
 from coupler.stability.theory import THEORIES

@@ -7,9 +7,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from coupler.preflight.afloat import buoyant_stiffness
-from coupler.preflight.gravity import upward
-from coupler.preflight.held import (
+from coupler.preflight.measures.afloat import buoyant_stiffness
+from coupler.preflight.measures.gravity import upward
+from coupler.preflight.measures.held import (
     FACES_OF_AXIS,
     bending_frequency,
     bending_stiffness,
@@ -22,9 +22,9 @@ from coupler.preflight.held import (
     squeezed,
     swing_frequency,
 )
-from coupler.preflight.pressed import strain_along
-from coupler.preflight.shapes import area
-from coupler.preflight.water import UPWARD, Water, edge_samples
+from coupler.preflight.measures.pressed import strain_along
+from coupler.preflight.measures.shapes import area
+from coupler.preflight.measures.water import UPWARD, Water, edge_samples
 from shared.elasticity import wave_speed
 from shared.geometry.regions import contains, outline, own_size
 from shared.scene.sides import is_solids

@@ -21,9 +21,9 @@ from dataclasses import dataclass
 import numpy as np
 
 from coupler.preflight.finding import STEADY
-from coupler.preflight.gravity import upward
-from coupler.preflight.numbers import Numbers
-from coupler.preflight.plate import goals_probe, goals_quantity
+from coupler.preflight.measures.gravity import upward
+from coupler.preflight.measures.numbers import Numbers
+from coupler.preflight.measures.plate import goals_probe, goals_quantity
 from shared.geometry.regions import corners_of
 from shared.geometry.segments import right_of
 from shared.geometry.shakers import shakers

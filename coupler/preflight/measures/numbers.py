@@ -13,12 +13,12 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from coupler.preflight.afloat import carries
-from coupler.preflight.held import lengthwise, normal_of
-from coupler.preflight.plate import Plate, levels_before, measure_plate, plates_body, waters_before
-from coupler.preflight.shapes import area
-from coupler.preflight.upright import Side, moving_layer, parted, upright
-from coupler.preflight.water import Water, measure_water
+from coupler.preflight.measures.afloat import carries
+from coupler.preflight.measures.held import lengthwise, normal_of
+from coupler.preflight.measures.plate import Plate, levels_before, measure_plate, plates_body, waters_before
+from coupler.preflight.measures.shapes import area
+from coupler.preflight.measures.upright import Side, moving_layer, parted, upright
+from coupler.preflight.measures.water import Water, measure_water
 from shared.geometry.regions import axes_of, corners_of
 from shared.schema.geometry import Body
 from shared.schema.scene import Scene

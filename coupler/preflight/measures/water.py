@@ -7,8 +7,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from coupler.preflight.gravity import across_and_up, upward
-from coupler.preflight.shapes import area
+from coupler.preflight.measures.gravity import across_and_up, upward
+from coupler.preflight.measures.shapes import area
 from shared.expected_speed import drifts, driven_speed, expected_speed, sound_speed, start_speed
 from shared.fluid_step import COURANT, fluid_step
 from shared.geometry.regions import contains, corners_of, distance_to, outline

@@ -4,12 +4,12 @@ from __future__ import annotations
 
 import math
 
-from coupler.preflight.error_solid import LEAST_PERIODS, PERIODS, not_bounded, periods
+from coupler.preflight.bounds.solid import LEAST_PERIODS, PERIODS, not_bounded, periods
 from coupler.preflight.finding import Finding, above, below, graded
-from coupler.preflight.held import damping_drag
-from coupler.preflight.numbers import Numbers
-from coupler.preflight.plate import of_a_body, plates_body
-from coupler.preflight.pressed import AT_ONCE, MOST
+from coupler.preflight.measures.held import damping_drag
+from coupler.preflight.measures.numbers import Numbers
+from coupler.preflight.measures.plate import of_a_body, plates_body
+from coupler.preflight.measures.pressed import AT_ONCE, MOST
 from shared.schema.scene import Scene
 from shared.schema.solid import PARTICLE_MODELS, RIGID_MODELS
 from shared.solid_step import LARGEST_UPDATED_COURANT, LATTICE_LIMIT, LATTICE_SHARE, UPDATED_COURANT

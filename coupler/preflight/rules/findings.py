@@ -8,8 +8,8 @@ What the limits rest on stands beside them.
 from __future__ import annotations
 
 from coupler.preflight.finding import Finding, Rule
-from coupler.preflight.numbers import Numbers
-from coupler.preflight.rules_joint import (
+from coupler.preflight.measures.numbers import Numbers
+from coupler.preflight.rules.joint import (
     density_ratio,
     drag,
     face_pressures,
@@ -21,7 +21,7 @@ from coupler.preflight.rules_joint import (
     water_holds,
     window_number,
 )
-from coupler.preflight.rules_plate import (
+from coupler.preflight.rules.plate import (
     across,
     carried_along,
     cauchy,
@@ -33,8 +33,8 @@ from coupler.preflight.rules_plate import (
     printed_gradient,
     slenderness,
 )
-from coupler.preflight.rules_size import filled_area, filled_gaps, filled_limbs, steps
-from coupler.preflight.rules_water import (
+from coupler.preflight.rules.size import filled_area, filled_gaps, filled_limbs, steps
+from coupler.preflight.rules.water import (
     courant_fluid,
     falls_out,
     froude,

@@ -12,7 +12,7 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 
-from coupler.preflight.plate import Plate, goals_quantity
+from coupler.preflight.measures.plate import Plate, goals_quantity
 from shared.scene.sides import probe_rows
 from shared.schema.probes import REACTIONS, STRESSES
 from shared.schema.scene import Scene

@@ -6,8 +6,8 @@ import math
 
 import numpy as np
 
-from coupler.preflight.numbers import Numbers
-from coupler.preflight.swing import carries_sound
+from coupler.preflight.measures.numbers import Numbers
+from coupler.preflight.measures.swing import carries_sound
 from coupler.stability.theory import acoustic, echo_gain, growth
 from coupler.window import Plan, make_plan, mass_ratio
 from shared.contract import Description

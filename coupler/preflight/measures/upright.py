@@ -16,10 +16,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from coupler.preflight.gravity import upward
-from coupler.preflight.held import FACES_OF_AXIS, held_sides, lengthwise, normal_of
-from coupler.preflight.plate import STATIC_FACTOR, Plate, plates_body, waters_before
-from coupler.preflight.water import UPWARD, Water
+from coupler.preflight.measures.gravity import upward
+from coupler.preflight.measures.held import FACES_OF_AXIS, held_sides, lengthwise, normal_of
+from coupler.preflight.measures.plate import STATIC_FACTOR, Plate, plates_body, waters_before
+from coupler.preflight.measures.water import UPWARD, Water
 from shared.geometry.regions import axes_of, corners_of
 from shared.schema.geometry import Body
 from shared.schema.scene import Scene

@@ -4,13 +4,13 @@ from __future__ import annotations
 
 import math
 
+from coupler.preflight.bounds.lattice_shear import LOOSEST, shear_moduli, stiff
+from coupler.preflight.bounds.ploughed import ploughed
+from coupler.preflight.bounds.waves import torn
 from coupler.preflight.finding import PUSHES, STEADY, Finding, above, below, graded, of_particles
-from coupler.preflight.lattice_shear import LOOSEST, shear_moduli, stiff
-from coupler.preflight.numbers import Numbers
-from coupler.preflight.plate import goals_quantity
-from coupler.preflight.ploughed import ploughed
-from coupler.preflight.water import LEVEL
-from coupler.preflight.waves import torn
+from coupler.preflight.measures.numbers import Numbers
+from coupler.preflight.measures.plate import goals_quantity
+from coupler.preflight.measures.water import LEVEL
 from shared.expected_speed import shaken_speed, structure_speed, viscous_speed, water_speed
 from shared.fluid_step import COURANT, LARGEST_COURANT
 from shared.geometry.shakers import shakers

@@ -11,11 +11,11 @@ from __future__ import annotations
 import numpy as np
 from scipy.signal import cont2discrete, lfilter
 
-from coupler.preflight.error_sudden import PEAKS
-from coupler.preflight.held import normal_of
-from coupler.preflight.numbers import Numbers
-from coupler.preflight.plate import plates_body
-from coupler.preflight.swing import swing
+from coupler.preflight.bounds.sudden import PEAKS
+from coupler.preflight.measures.held import normal_of
+from coupler.preflight.measures.numbers import Numbers
+from coupler.preflight.measures.plate import plates_body
+from coupler.preflight.measures.swing import swing
 from shared.geometry.motion_table import MotionTable
 from shared.geometry.regions import own_box, turn
 from shared.schema.scene import Scene

@@ -5,8 +5,8 @@ from __future__ import annotations
 import math
 
 from coupler.preflight.finding import Finding, above, graded, of_particles
-from coupler.preflight.numbers import Numbers
-from coupler.preflight.shapes import CROWDED, cells, crowding, excess
+from coupler.preflight.measures.numbers import Numbers
+from coupler.preflight.measures.shapes import CROWDED, cells, crowding, excess
 from shared.geometry.limbs import bearing, fitting
 from shared.schema.scene import Scene
 from shared.schema.solid import PARTICLE_MODELS

@@ -6,10 +6,10 @@ import math
 
 import numpy as np
 
-from coupler.preflight.gravity import across_and_up, upward
-from coupler.preflight.held import lengthwise
-from coupler.preflight.shapes import area
-from coupler.preflight.water import UPWARD, edge_samples
+from coupler.preflight.measures.gravity import across_and_up, upward
+from coupler.preflight.measures.held import lengthwise
+from coupler.preflight.measures.shapes import area
+from coupler.preflight.measures.water import UPWARD, edge_samples
 from shared.geometry.regions import area_below, contains, corners_of, outline
 from shared.schema.geometry import Body
 from shared.schema.scene import Scene

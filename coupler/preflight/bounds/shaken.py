@@ -13,7 +13,7 @@ stirred      from a way of a quarter of dx on the lattice melts, and as it does 
                                                                         a piston on a closed column
 dragged      by artificial viscosity, with its push and a quarter of a period off it: √((1 + (δ/L)²)² + (2.7 δ/L)²) − 1
              by the layer δ = √(2 ν/ω) and the body's length L (found 0 to 3 for 1, 2.3 to 2.8)
-held         by a lattice under pressure (error_lattice.py), over the push, ρ a by the disc across the way, half as
+held         by a lattice under pressure (lattice.py), over the push, ρ a by the disc across the way, half as
              much again of a square: a block 10 spacings wide, 20 deep, moved by half a spacing at 1 Hz, 2.6 times its
              push with h = 1.3 dx, with 2 dx 0.4
 carried      of a mean of the force on a body that goes on: along its way the drag of artificial viscosity, 8 ρ ν u
@@ -27,14 +27,14 @@ import math
 
 import numpy as np
 
-from coupler.preflight.error_flow import FLOW
-from coupler.preflight.error_lattice import hold_of_moved
+from coupler.preflight.bounds.flow import FLOW
+from coupler.preflight.bounds.lattice import hold_of_moved
 from coupler.preflight.finding import PUSHES, STEADY, of_particles
-from coupler.preflight.gravity import across_and_up
-from coupler.preflight.numbers import ROUND, Numbers
-from coupler.preflight.plate import goals_probe, goals_quantity, plates_body
-from coupler.preflight.shapes import area
-from coupler.preflight.water import unbacked
+from coupler.preflight.measures.gravity import across_and_up
+from coupler.preflight.measures.numbers import ROUND, Numbers
+from coupler.preflight.measures.plate import goals_probe, goals_quantity, plates_body
+from coupler.preflight.measures.shapes import area
+from coupler.preflight.measures.water import unbacked
 from shared.geometry.motion_table import MotionTable
 from shared.geometry.regions import outline
 from shared.geometry.shakers import Shaker, shakers, sound_time

@@ -5,7 +5,7 @@ it is held by a force of up to κ p min(y, dx), whatever its size, the model and
 across its way. Of what moves the body, F, that is κ p/max(K, F/dx), K the stiffness that the body is held with. Found:
 κ 0.06 to 0.27 with h = 1.3 dx, 0.06 to 0.07 with 2 dx (sprung blocks 3 to 9 thicknesses deep, one of which came to rest
 at 11.0 mm for 14.7, cantilever_in_water); of a block three times as long as wide that moves lengthwise 0.03. Of one
-that a table moves to and fro, without time to settle, 0.41 with 1.3 dx, 0.1 with 2 dx (error_shaken.py).
+that a table moves to and fro, without time to settle, 0.41 with 1.3 dx, 0.1 with 2 dx (shaken.py).
 """
 
 from __future__ import annotations
@@ -15,11 +15,11 @@ import math
 import numpy as np
 
 from coupler.preflight.finding import of_particles
-from coupler.preflight.gravity import upward
-from coupler.preflight.held import largest_factor, normal_of
-from coupler.preflight.numbers import Numbers
-from coupler.preflight.plate import STATIC_FACTOR, goals_quantity, levels_before, of_a_body, plates_body
-from coupler.preflight.shapes import area
+from coupler.preflight.measures.gravity import upward
+from coupler.preflight.measures.held import largest_factor, normal_of
+from coupler.preflight.measures.numbers import Numbers
+from coupler.preflight.measures.plate import STATIC_FACTOR, goals_quantity, levels_before, of_a_body, plates_body
+from coupler.preflight.measures.shapes import area
 from shared.geometry.regions import outline
 from shared.geometry.segments import right_of
 from shared.schema.probes import FORCES

@@ -14,7 +14,7 @@ import math
 from dataclasses import dataclass
 
 from coupler.preflight.finding import of_particles
-from coupler.preflight.numbers import Numbers
+from coupler.preflight.measures.numbers import Numbers
 from shared.schema.fluid import PARTICLE_FLUIDS
 from shared.schema.scene import Scene
 

@@ -16,8 +16,8 @@ from __future__ import annotations
 
 import math
 
-from coupler.preflight.held import FACES_OF_AXIS, held_in_part, held_sides, lengthwise, normal_of
-from coupler.preflight.plate import Plate, goals_probe, plates_body
+from coupler.preflight.measures.held import FACES_OF_AXIS, held_in_part, held_sides, lengthwise, normal_of
+from coupler.preflight.measures.plate import Plate, goals_probe, plates_body
 from shared.geometry.limbs import limbs
 from shared.geometry.regions import own_box, turn
 from shared.schema.geometry import Body

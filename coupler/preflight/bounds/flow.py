@@ -26,7 +26,7 @@ viscous stresses   3.6 (h/λ)², λ the shear wave's length, twice a channel's w
                    alone where its weight, or walls that slide, drive the water along a period, beside the flow's where
                    it is held; 0.3 (h/dx − 2)² dx/width more where its weight does, for the mean of many neighbours is
                    not the flow at a wall
-moved through it   none with wcsph, many neighbours and a way of 2 dx           coupler/preflight/ploughed.py
+moved through it   none with wcsph, many neighbours and a way of 2 dx           ploughed.py
 decay of vortices  the same; 50 % more where nothing shifts the particles (wcsph). What is left at the end errs by
                    e^(N times that) − 1 when it has fallen by e^−N                            taylor_green
 water let go       of its speed 0.6 g H/c0 (wcsph), 0.08 g H/c0 (ctvf) over the speed at the end: what its pressure
@@ -39,12 +39,12 @@ import math
 
 import numpy as np
 
+from coupler.preflight.bounds.lattice_shear import restless, stiff, too_fast
+from coupler.preflight.bounds.ploughed import ploughed
+from coupler.preflight.bounds.waves import Wave, torn, wave_of
 from coupler.preflight.finding import STEADY
-from coupler.preflight.lattice_shear import restless, stiff, too_fast
-from coupler.preflight.numbers import Numbers
-from coupler.preflight.plate import goals_probe, goals_quantity
-from coupler.preflight.ploughed import ploughed
-from coupler.preflight.waves import Wave, torn, wave_of
+from coupler.preflight.measures.numbers import Numbers
+from coupler.preflight.measures.plate import goals_probe, goals_quantity
 from shared.expected_speed import start_speed
 from shared.geometry.regions import outline
 from shared.geometry.wall_chains import segments_of

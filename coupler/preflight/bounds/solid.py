@@ -19,7 +19,7 @@ found; n particles across, t/L thickness over length, ν Poisson's ratio, dx spa
     all                + what particles hold of a body's area too much or too little (disc: 2 % at 10 across), or of
                        a spun one's inertia; what a lattice that does not fit the limbs of a frame makes of their
                        bending (a tee's stem of 3 in place of 4: 115 %); a peak between two rows of probes
-    clamps, peaks of what comes at once, strain along    error_clamps.py, error_sudden.py, pressed.py
+    clamps, peaks of what comes at once, strain along    clamps.py, sudden.py, measures/pressed.py
 
 A force that presses a cantilever by a share s of Euler's load makes all of this count 1/(1 − s) times; past 1 it
 buckles, and what small differences decide has no bound.
@@ -29,8 +29,8 @@ feels half the error of a stiffness; less than two periods show none. A peak und
 resonance (resonance.py). A beam that starts in a higher mode, r times as fast, is r times as far from slender
 and takes r times as few steps in a period.
 
-Over a time T, a swing from rest about the answer (coupler/preflight/swing.py) leaves in a mean up to 2/(ωT) of its
-amplitude, 3/(ωT) of a strain energy, and an echo what it adds. A value at the end feels the phase φ that a wrong
+Over a time T, a swing from rest about the answer (measures/swing.py) leaves in a mean up to 2/(ωT) of its amplitude,
+3/(ωT) of a strain energy, and an echo what it adds. A value at the end feels the phase φ that a wrong
 frequency has gathered: a swing from 0 to twice its middle is off by 2 φ of its value or less in seven phases of ten;
 past 1 rad it may be anything. Slopes and decays are not bounded.
 """
@@ -39,15 +39,15 @@ from __future__ import annotations
 
 import math
 
-from coupler.preflight.error_clamps import clamps_slip, clamps_width, never_moves
-from coupler.preflight.error_sudden import PEAKS, jumps, sudden_error
+from coupler.preflight.bounds.clamps import clamps_slip, clamps_width, never_moves
+from coupler.preflight.bounds.sudden import PEAKS, jumps, sudden_error
 from coupler.preflight.finding import STEADY
-from coupler.preflight.held import FACES_OF_AXIS, damping_drag, held_sides, lengthwise
-from coupler.preflight.numbers import Numbers
-from coupler.preflight.plate import Plate, goals_probe, goals_quantity, of_a_body, plates_body
-from coupler.preflight.pressed import law_error, with_law
-from coupler.preflight.shapes import FEW, excess, excess_of_inertia
-from coupler.preflight.swing import swing
+from coupler.preflight.measures.held import FACES_OF_AXIS, damping_drag, held_sides, lengthwise
+from coupler.preflight.measures.numbers import Numbers
+from coupler.preflight.measures.plate import Plate, goals_probe, goals_quantity, of_a_body, plates_body
+from coupler.preflight.measures.pressed import law_error, with_law
+from coupler.preflight.measures.shapes import FEW, excess, excess_of_inertia
+from coupler.preflight.measures.swing import swing
 from shared.geometry.limbs import bearing, limbs
 from shared.geometry.regions import axes_of, own_box, turn
 from shared.scene.sides import probe_rows

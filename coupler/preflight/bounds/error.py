@@ -1,7 +1,7 @@
 """Bounds of the error that a choice of models and resolution makes in the scene's goal, relative, and what they add.
 
 Each part is measured on cases with a known answer (cases/results and README.md), with a margin of 1.2 to 2.5 over the
-worst found; dx spacing of the fluid. The structure's part, and what its swing adds: error_solid.py.
+worst found; dx spacing of the fluid. The structure's part, and what its swing adds: solid.py.
 
     still              0.1 %; its level keeps the water's volume
                        (neither this nor a column bears a body that floats, this none without weight)
@@ -38,9 +38,9 @@ worst found; dx spacing of the fluid. The structure's part, and what its swing a
                        is a small difference of them: where it has moved out of the water's lattice, 1 to 6 % off that
                        of the forces with h = 2 dx, 5 to 8 % with 1.3 dx, 50 to 80 % at a depth of nine thicknesses; on
                        a floor, and of water at rest, they are right     sprung blocks, a floor under 20 cm
-    a body that moves under water at rest   coupler/preflight/error_lattice.py
-    water that flows   coupler/preflight/error_flow.py
-    water that is moved in by a table  coupler/preflight/error_shaken.py
+    a body that moves under water at rest   lattice.py
+    water that flows   flow.py
+    water that is moved in by a table  shaken.py
 """
 
 from __future__ import annotations
@@ -49,11 +49,11 @@ import math
 
 import numpy as np
 
-from coupler.preflight.afloat import afloat, to_equilibrium
-from coupler.preflight.error_flow import MOTIONS, SMOOTH, flow_error, off_level
-from coupler.preflight.error_lattice import HELD, lattice_hold
-from coupler.preflight.error_shaken import SHAKEN, shaken_error
-from coupler.preflight.error_solid import (
+from coupler.preflight.bounds.flow import MOTIONS, SMOOTH, flow_error, off_level
+from coupler.preflight.bounds.lattice import HELD, lattice_hold
+from coupler.preflight.bounds.resonance import RESONANCE, resonance
+from coupler.preflight.bounds.shaken import SHAKEN, shaken_error
+from coupler.preflight.bounds.solid import (
     PHASE,
     SWING,
     TIMES,
@@ -64,15 +64,15 @@ from coupler.preflight.error_solid import (
     swing_in_a_mean,
 )
 from coupler.preflight.finding import COLUMN, STEADY, of_particles
-from coupler.preflight.held import lengthwise
-from coupler.preflight.numbers import Numbers
-from coupler.preflight.plate import goals_probe, goals_quantity, of_a_body, plates_body
-from coupler.preflight.resonance import RESONANCE, resonance
-from coupler.preflight.shapes import CROWDED, crowding
-from coupler.preflight.swing import RADIATES, carries_sound, dragged, late, radiates
-from coupler.preflight.upright import levels_pull
-from coupler.preflight.water import covered
-from coupler.preflight.window import GROWTH_WARN, lag_growth
+from coupler.preflight.measures.afloat import afloat, to_equilibrium
+from coupler.preflight.measures.held import lengthwise
+from coupler.preflight.measures.numbers import Numbers
+from coupler.preflight.measures.plate import goals_probe, goals_quantity, of_a_body, plates_body
+from coupler.preflight.measures.shapes import CROWDED, crowding
+from coupler.preflight.measures.swing import RADIATES, carries_sound, dragged, late, radiates
+from coupler.preflight.measures.upright import levels_pull
+from coupler.preflight.measures.water import covered
+from coupler.preflight.measures.window import GROWTH_WARN, lag_growth
 from shared.geometry.regions import axes_of, corners_of
 from shared.geometry.wetted_faces import load_spacing
 from shared.schema.fluid import PARTICLE_FLUIDS

@@ -4,11 +4,11 @@ from __future__ import annotations
 
 import math
 
-from coupler.preflight.error_lattice import MANY_NEIGHBOURS, lattice_hold
+from coupler.preflight.bounds.lattice import MANY_NEIGHBOURS, lattice_hold
 from coupler.preflight.finding import COLUMN, STEADY, Finding, above, below, graded, of_particles
-from coupler.preflight.numbers import Numbers
-from coupler.preflight.swing import RADIATES, carries_sound, dragged, sounding
-from coupler.preflight.window import GROWTH_WARN, expected_plan, expected_window, lag_growth, window_alpha
+from coupler.preflight.measures.numbers import Numbers
+from coupler.preflight.measures.swing import RADIATES, carries_sound, dragged, sounding
+from coupler.preflight.measures.window import GROWTH_WARN, expected_plan, expected_window, lag_growth, window_alpha
 from coupler.stability.theory import incompressible, largest_stable
 from coupler.window import largest_alpha
 from shared.geometry.thin_bodies import thin_bodies
@@ -167,7 +167,7 @@ def face_pressures(scene: Scene, n: Numbers) -> Finding | None:
 
 
 def water_holds(scene: Scene, n: Numbers) -> Finding | None:
-    """What a lattice of particles under pressure may hold of what moves a body in it (error_lattice.py)."""
+    """What a lattice of particles under pressure may hold of what moves a body in it (bounds/lattice.py)."""
     value = lattice_hold(scene, n)
     if not value:
         return None

@@ -16,8 +16,8 @@ import math
 
 import numpy as np
 
-from coupler.preflight.held import FACES_OF_AXIS, held_ends, held_sides, largest_factor, lengthwise
-from coupler.preflight.water import Water
+from coupler.preflight.measures.held import FACES_OF_AXIS, held_ends, held_sides, largest_factor, lengthwise
+from coupler.preflight.measures.water import Water
 from shared.elasticity import lame, plane_modulus
 from shared.geometry.regions import axes_of, own_size
 from shared.schema.geometry import Body
