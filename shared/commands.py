@@ -43,6 +43,7 @@ def run_app(app: typer.Typer) -> None:
         stream.reconfigure(errors="backslashreplace")
     logging.getLogger("shearwater").addHandler(logging.NullHandler())
     logging.raiseExceptions = False  # a log that cannot be written is no reason for tracebacks
+    os.environ["MPLBACKEND"] = "agg"  # pictures are files; a notebook names what may not be installed here
     on_stop_signals(STOP.ask)
     sys.unraisablehook = ask_once_more
     try:

@@ -43,7 +43,7 @@ from shared.streams import say
 # third off a round trip of 100 kB (0.25 to 0.17 ms), and fewer threads beside those that compute. Read when the first
 # session opens.
 _ONE_THREAD = "(acc: (handover: app), net: (handover: app), rx: (handover: app), tx: (handover: app))"
-os.environ.setdefault("ZENOH_RUNTIME", _ONE_THREAD)
+os.environ["ZENOH_RUNTIME"] = _ONE_THREAD
 
 CONNECT_TIMEOUT_S = 20.0
 HEARTBEAT_PERIOD_S = 1.0

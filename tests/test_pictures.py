@@ -1,5 +1,6 @@
 """Pictures, read back as pixels: true proportions, particles that tile, walls where they have moved to."""
 
+import os
 import subprocess
 import sys
 
@@ -209,3 +210,25 @@ def test_drawing_leaves_no_global_state():
     """pyplot would keep figures alive and pick a window system."""
     code = "import sys, shared.run.pictures; sys.exit('matplotlib.pyplot' in sys.modules)"
     assert subprocess.run([sys.executable, "-c", code], timeout=60).returncode == 0
+
+
+_DRAWS = """
+import sys
+from pathlib import Path
+from shared.commands import new_app, run_app
+app = new_app("Draws.")
+@app.command()
+def draw(out: Path) -> None:
+    from shared.run.drawing import axes_at, new_figure, save
+    figure = new_figure(2.0, 2.0)
+    axes_at(figure, 0.5, 0.5, 1.0, 1.0).set_xlabel("x")
+    save(figure, out)
+run_app(app)
+"""
+
+
+def test_what_a_user_wants_of_other_pictures_spoils_none(tmp_path):
+    (tmp_path / "matplotlibrc").write_text("text.usetex: True\nsavefig.bbox: tight\n")
+    wants = {"MPLBACKEND": "module://not_installed.backend", "MATPLOTLIBRC": str(tmp_path), "PATH": "/nowhere"}
+    subprocess.run([sys.executable, "-c", _DRAWS, tmp_path / "x.png"], env=os.environ | wants, check=True)
+    assert Image.open(tmp_path / "x.png").size == (400, 400)

@@ -4,11 +4,14 @@ from __future__ import annotations
 
 from pathlib import Path
 
+import matplotlib
 import numpy as np
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 
 from shared.unwritable import cannot_write
+
+matplotlib.rcdefaults()  # whatever a user's matplotlibrc wants, like words set by a LaTeX that is not installed
 
 INK = "0.15"
 FAINT = "0.55"
