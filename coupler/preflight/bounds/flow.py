@@ -27,7 +27,7 @@ viscous stresses   3.6 (h/λ)², λ the shear wave's length, twice a channel's w
                    it is held; 0.3 (h/dx − 2)² dx/width more where its weight does, for the mean of many neighbours is
                    not the flow at a wall
 moved through it   none with wcsph, many neighbours and a way of 2 dx           ploughed.py
-past a body        d is the least extent of what has water on both sides; 50 % more where nothing shifts the particles (wcsph):
+past a body        d is the least extent of what stands in it; 50 % more where nothing shifts them (wcsph):
                    drag of a cylinder 4, 8, 16 dx wide 14, 2 % (ctvf), 50, 2, 17 % (wcsph) off; lift of a slanted plate
                    2 dx thick 17 % low (ctvf)
 decay of vortices  the same; 50 % more where nothing shifts the particles (wcsph). What is left at the end errs by
