@@ -24,6 +24,7 @@ from coupler.remote import Remote, RemoteError
 from coupler.schemes import Coupled, probes
 from coupler.supervisor import PACKAGES, solver_processes
 from coupler.tally import Tally, coupling_cost
+from coupler.touching import Touching
 from coupler.window import Plan, alpha_rate, make_plan, mass_ratio
 from shared.clock import Clock
 from shared.contract import BadInput, Description, ParticipantLost, SolverFailed
@@ -203,6 +204,7 @@ def march(
     take = make_taker(plan, scene.coupling)
     rows, prescribed = first if last else None, c.structure.description.model == "rigid"
     ledger = Ledger(record.run_dir / "ledger.csv", scene.coupling.limits, rows, prescribed)
+    touching = None if prescribed else Touching(scene, c.fluid.description)
     checkpoints = Checkpoints(record.run_dir, scene.output.checkpoint_every, last)
     memory = {"coupled": c, "taker": take, "ledger": ledger}
     try:
@@ -226,6 +228,8 @@ def march(
                 told.add(window, outcome)
                 if row is not None:
                     ledger.flush()
+                    if touching:
+                        touching.check(window.t1, c.ghosts.position)
     except RemoteError as error:
         raise (ledger.explained(error) if error.exit_code == SolverFailed.exit_code else error) from error
     finally:

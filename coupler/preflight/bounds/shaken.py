@@ -16,9 +16,11 @@ dragged      by artificial viscosity, with its push and a quarter of a period of
 held         by a lattice under pressure (lattice.py), over the push, ρ a by the disc across the way, half as
              much again of a square: a block 10 spacings wide, 20 deep, moved by half a spacing at 1 Hz, 2.6 times its
              push with h = 1.3 dx, with 2 dx 0.4
+             neither where walls and structure are moved as one, and the water goes along
 carried      of a mean of the force on a body that goes on: along its way the drag of artificial viscosity, 8 ρ ν u
              (found 7 to 8), and that hold, across it 0.7 of the hold (found 0.1 to 0.65), over its buoyancy; no bound
-             of it across gravity, where nothing is beside it                blocks moved at 0.03 to 0.2 m/s in a tank
+             of it across gravity, where nothing is beside it; nothing where all is carried as one and a quarter of its
+             weight is left                      blocks moved at 0.03 to 0.2 m/s in a tank; a tank and a block that fall
 """
 
 from __future__ import annotations
@@ -38,6 +40,7 @@ from coupler.preflight.measures.water import unbacked
 from shared.geometry.motion_table import MotionTable
 from shared.geometry.regions import outline
 from shared.geometry.shakers import Shaker, shakers, sound_time
+from shared.schema.geometry import Motion
 from shared.schema.probes import FORCES
 from shared.schema.scene import Scene
 
@@ -47,6 +50,7 @@ MELTS = 0.25  # of dx: with it forces are 7 % off, with half of dx 75 %
 SQUEEZED = 0.02  # of dx, by a wall of a full box: with it pressures are 10 % off, with 0.2 22 to 240 %
 BESIDE = 2.7  # of δ/L: what artificial viscosity drags along a quarter of a period off the push
 STOKES, ACROSS = 8.0, 0.7
+LEAST_WEIGHT = 0.25  # of g, that a motion leaves of what it carries as one: found 0.5, 0.1 % off
 
 
 def shaken_error(scene: Scene, n: Numbers) -> float:
@@ -63,7 +67,8 @@ def shaken_error(scene: Scene, n: Numbers) -> float:
         return error
     sound = n.water.sound_speed
     parts = (
-        one.jolt(sound) + _stirred(scene, n, one) + _dragged(n, one) + _held(scene, n, one) for one in shakers(scene)
+        one.jolt(sound) + _stirred(scene, n, one) + _dragged(scene, n, one) + _held(scene, n, one)
+        for one in shakers(scene)
     )
     shares = (_share(scene, n, one) for one in shakers(scene))
     return error + max((part * share for part, share in zip(parts, shares, strict=True)), default=0.0)
@@ -72,6 +77,8 @@ def shaken_error(scene: Scene, n: Numbers) -> float:
 def why_unknown(scene: Scene, n: Numbers) -> str:
     """Why there is no bound."""
     if scene.goal.statistic in STEADY:
+        if scene.solid.motion is not None and _as_one(scene, scene.solid.motion):
+            return "all is carried as one, and in the mean next to no weight is left along the goal's force"
         return "water without viscosity does not drag what goes on in it: all of the force is artificial"
     if sound_time(scene) >= QUARTER_WAVE * n.water.sound_speed:
         return "the water is shaken faster than its sound crosses it: it is squeezed and rings; a higher sound_speed"
@@ -89,17 +96,22 @@ def why_unknown(scene: Scene, n: Numbers) -> str:
 
 
 def _stirred(scene: Scene, n: Numbers, shaker: Shaker) -> float:
-    carried = scene.solid is None and all(wall.motion == shaker.motion for wall in scene.walls)
     sides, top, _ = unbacked(scene)
     full = not sides and not top
     least = SQUEEZED if full and not shaker.structure else MELTS
-    if shaker.way <= least * n.water.dx or (carried and full):  # all moves as one
+    if shaker.way <= least * n.water.dx or (full and _as_one(scene, shaker.motion)):
         return 0.0
     return math.inf if full else FLOW * n.water.dx / n.water.width
 
 
-def _dragged(n: Numbers, shaker: Shaker) -> float:
-    if not shaker.structure or shaker.rate == 0.0:
+def _as_one(scene: Scene, motion: Motion) -> bool:
+    """Whether the motion moves all that the water meets, so that it goes along and only its weight changes."""
+    moved = [wall.motion for wall in scene.walls] + ([scene.solid.motion] if scene.solid is not None else [])
+    return bool(scene.walls) and not any(motion.rotation or []) and all(one == motion for one in moved)
+
+
+def _dragged(scene: Scene, n: Numbers, shaker: Shaker) -> float:
+    if not shaker.structure or shaker.rate == 0.0 or _as_one(scene, shaker.motion):
         return 0.0
     layer = n.water.dragged_layer(shaker.rate)
     layer /= float(np.ptp(shaker.points, axis=0).max())
@@ -108,6 +120,8 @@ def _dragged(n: Numbers, shaker: Shaker) -> float:
 
 def _held(scene: Scene, n: Numbers, shaker: Shaker) -> float:
     if not shaker.structure or shaker.motion is not scene.solid.motion or shaker.acceleration == 0.0:
+        return 0.0
+    if _as_one(scene, shaker.motion):
         return 0.0
     table, body = MotionTable(shaker.motion), plates_body(scene, n.plate)
     ways = table.displacements(np.asarray(shaker.motion.times), 0)[:, :2]
@@ -126,8 +140,11 @@ def _carried(scene: Scene, n: Numbers) -> float:
     moved = scene.solid.motion if scene.solid is not None else None
     if axis is None or moved is None or n.plate.wet < 2 or goals_probe(scene).body != n.plate.name:
         return 0.0
-    ends = np.array([scene.output.average_from, scene.end_time])
-    way = np.abs(np.diff(MotionTable(moved).displacements(ends, 0)[:, :2], axis=0)[0])
+    table, ends = MotionTable(moved), np.array([scene.output.average_from, scene.end_time])
+    if _as_one(scene, moved):
+        gained = np.diff(table.displacements(ends, 1)[:, axis])[0] / np.ptp(ends)
+        return 0.0 if abs(g[axis] - gained) >= LEAST_WEIGHT * np.hypot(*g) > 0.0 else math.inf
+    way = np.abs(np.diff(table.displacements(ends, 0)[:, :2], axis=0)[0])
     far = float(np.hypot(*way))
     if far == 0.0:
         return 0.0
