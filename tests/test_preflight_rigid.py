@@ -189,6 +189,17 @@ def test_a_sprung_body_under_water_swings_with_the_water_round_it(tmp_path):
     assert 0.069 < bound_of(scene) < 4 * 0.069
 
 
+def test_a_body_under_water_that_nothing_holds_has_no_bound(tmp_path):
+    """Found: a sinking disc 49 % (alpha 0.1) and 30 % (0.01) short of potential flow's way, a block as dense as water
+    that went nowhere; 9 and 15 % told."""
+    loose = ["solid.spring.stiffness=[0.0, 0.0, 0.0]", "solid.bodies.raft.free=true"]
+    for sets in ([], ["solid.density=1000.0"], ["goal.statistic=final"]):
+        assert set(bounds(scene_of(BLOCK.replace("LOADS", "force"), tmp_path, [*loose, *sets])).values()) == {math.inf}
+    raft = RAFT.replace("HELD", "0.0")
+    assert bound_of(scene_of(raft, tmp_path)) < 0.3
+    assert bound_of(scene_of(raft, tmp_path, ["probes.heave.quantity=displacement-x"])) == math.inf
+
+
 def test_pressures_over_the_faces_of_a_body_under_water_have_no_bound(tmp_path):
     """Found: 5 % (wcsph) and 8 % (ctvf) off the forces' with h = 1.3 dx; in water at rest the same."""
     by_faces, by_forces = (bounds(scene_of(BLOCK.replace("LOADS", loads), tmp_path)) for loads in ("pressure", "force"))
@@ -281,3 +292,51 @@ def test_artificial_viscosity_drags_at_a_sprung_block(tmp_path, sets, found):
     period = scene_of(square, tmp_path, [*sets, "goal.statistic=period"])
     assert bound_of(period) == math.inf
     assert said_of(period)["drag"].verdict == ("ok" if "fluid.alpha=0.01" in sets else "warn")
+
+
+DISC = """\
+schema = 1
+title = "A sprung disc in a full box"
+end_time = 8.0
+[fluid]
+model = "ctvf"
+dx = 0.0125
+h_over_dx = 2.0
+alpha = 0.01
+bodies = [{ name = "water", difference = [{ rectangle = [-0.3, -0.3, 0.3, 0.3] },
+  { circle = { centre = [0.0, 0.0], radius = 0.05 } }] }]
+[[walls]]
+name = "box"
+closed = true
+polyline = [[-0.3, -0.3], [0.3, -0.3], [0.3, 0.3], [-0.3, 0.3]]
+[solid]
+model = "spring"
+dx = 0.0125
+density = 3000.0
+bodies = [{ name = "disc", circle = { centre = [0.0, 0.0], radius = 0.05 }, free = true, velocity = [0.05, 0.0] }]
+spring = { stiffness = [200.0, 200.0, 1.0] }
+[[probes]]
+name = "x"
+body = "disc"
+point = [0.0, 0.0]
+quantity = "displacement-x"
+[goal]
+probe = "x"
+statistic = "period"
+"""
+
+
+def test_water_whose_own_sound_swings_along_is_named(tmp_path):
+    """Periods found: 2.28, 2.61, 2.58 and 2.57 s at c0 = 0.5 (auto), 0.8, 1 and 2 m/s, for 2.54; 9 % told of the
+    first."""
+    swings = {
+        sound: scene_of(DISC, tmp_path, [f"fluid.sound_speed={sound}"]) for sound in ('"auto"', "0.8", "1.0", "2.0")
+    }
+    told = {sound: bound_of(scene) for sound, scene in swings.items()}
+    assert 0.102 < told['"auto"'] < 4 * 0.102
+    assert told["0.8"] < 0.13
+    assert told["2.0"] < 0.11
+    said = {sound: said_of(scene).get("Helmholtz") for sound, scene in swings.items()}
+    assert said['"auto"'].verdict == "warn"
+    assert "fluid.sound_speed" in said['"auto"'].way_out
+    assert said["2.0"] is None

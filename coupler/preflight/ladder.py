@@ -11,7 +11,7 @@ import math
 from dataclasses import dataclass, field, replace
 from typing import Literal
 
-from coupler.preflight.bounds.error import FACES, Parts, error_parts, stirred
+from coupler.preflight.bounds.error import FACES, Parts, drifting, error_parts, stirred
 from coupler.preflight.bounds.flow import MOTIONS, lids
 from coupler.preflight.bounds.ploughed import ploughed
 from coupler.preflight.bounds.shaken import SHAKEN, why_unknown
@@ -186,6 +186,8 @@ def _unable(scene: Scene, n: Numbers, worst: str) -> str:
     if worst == SHAKEN:
         return why_unknown(scene, n)
     if n.water is not None and worst.startswith("fluid"):
+        if drifting(scene, n):
+            return "nothing holds the body in the water, where drag decides how far it goes: give it springs"
         if n.water.model in PARTICLE_FLUIDS and n.water.bottomless > 0.0:
             return "the water falls away: under some of it there is nothing"
         if n.water.model in PARTICLE_FLUIDS:

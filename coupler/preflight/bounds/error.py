@@ -34,6 +34,12 @@ worst found; dx spacing of the fluid. The structure's part, and what its swing a
                        2 δ/L of a peak, L the plate's length: found 0.5 to 0.7, and a damping ratio of δ/L; of a sprung
                        body by the water's share of what swings, and no bound of a period where it comes to rest before
                        the end                    a cantilever on a floor, a sprung block 10 dx wide, α 0.01 and 0.1
+                       of a sprung body also the water's own sound: 1.5 times the body's share of the water, a/A, by
+                       x²/(1 − x²), x its swing over that of a standing wave of sound, 15 a/A near it and from there
+                       on: found 0.1, 0.7 and 5 times a/A at 0.5, 0.6 and 0.97      a sprung disc in a full box
+    a body under water that nothing holds: none of its motion, for it is a matter of drag, which artificial viscosity
+                       makes: after 0.4 s of sinking 49 % (α 0.1), 30 % (0.01) short of potential flow's way; or of
+                       nothing, where it rests                                  a disc of twice water's density
     pressures over faces (coupling.loads = pressure): no bound of a body with water of particles on two sides, whose net
                        is a small difference of them: where it has moved out of the water's lattice, 1 to 6 % off that
                        of the forces with h = 2 dx, 5 to 8 % with 1.3 dx, 50 to 80 % at a depth of nine thicknesses; on
@@ -64,12 +70,12 @@ from coupler.preflight.bounds.solid import (
     swing_in_a_mean,
 )
 from coupler.preflight.finding import COLUMN, STEADY, of_particles
-from coupler.preflight.measures.afloat import afloat, to_equilibrium
+from coupler.preflight.measures.afloat import adrift, afloat, to_equilibrium
 from coupler.preflight.measures.held import lengthwise
 from coupler.preflight.measures.numbers import Numbers
 from coupler.preflight.measures.plate import goals_probe, goals_quantity, of_a_body, plates_body
-from coupler.preflight.measures.shapes import CROWDED, crowding
-from coupler.preflight.measures.swing import RADIATES, carries_sound, dragged, late, radiates
+from coupler.preflight.measures.shapes import CROWDED, area, crowding
+from coupler.preflight.measures.swing import RADIATES, carries_sound, dragged, late, radiates, resounding
 from coupler.preflight.measures.upright import levels_pull
 from coupler.preflight.measures.water import covered
 from coupler.preflight.measures.window import GROWTH_WARN, lag_growth
@@ -92,6 +98,7 @@ SAG = 0.05  # of dx: what a lattice that bears shear takes off a level
 SENSOR = 0.09  # of a sensor's reach by (1 − depth/reach)²: what it feels too much where it reaches out of the water
 WATERLINE = 0.4  # of dx
 DRAGGED, DAMPED = 1.0, 2.0
+ECHOED, NARROW = 1.5, 0.1  # of the body's share of the water; how near its sound's own swing nothing more is known
 FACES = "pressures over faces"
 
 
@@ -127,6 +134,8 @@ def _fluid(scene: Scene, n: Numbers) -> float:
     water, steady = n.water, scene.goal.statistic in STEADY
     closed = water.boxed and n.joint is not None and n.joint.closes
     floats = n.plate is not None and afloat(scene, plates_body(scene, n.plate))
+    if drifting(scene, n):
+        return UNKNOWN
     if water.model == "still":
         weighs = any(scene.gravity)
         known = water.rests and steady and weighs and not closed and not floats
@@ -143,6 +152,13 @@ def _fluid(scene: Scene, n: Numbers) -> float:
             return UNKNOWN
         return (COLUMN if bends else STILL) + _sounding(scene, n)
     return _at_rest(scene, n, floats) if water.rests else flow_error(scene, n)
+
+
+def drifting(scene: Scene, n: Numbers) -> bool:
+    """Whether the goal is how a body moves that the water goes round and nothing holds."""
+    if n.joint is None or n.joint.closes or n.plate.wet < 1 or not of_a_body(scene):
+        return False
+    return adrift(scene, plates_body(scene, n.plate), goals_quantity(scene))
 
 
 def _off_columns_level(scene: Scene, n: Numbers) -> float:
@@ -180,7 +196,7 @@ def _at_rest(scene: Scene, n: Numbers, floats: bool) -> float:
             return smooth / water.height * (0.5 if scene.goal.statistic in TIMES else 1.0) + _sounding(scene, n)
         if scene.goal.statistic == "period" and _dies(scene, n):
             return UNKNOWN
-        return smooth / min(water.width, n.plate.thickness) + _slowed(scene, n)
+        return smooth / min(water.width, n.plate.thickness) + _slowed(scene, n) + _resounded(scene, n)
     crowded = EASED if scene.fluid.h_over_dx >= CROWD else 1.0
     error = REST[water.model] * water.dx / water.height * crowded * _left_of_weight(scene, n)
     if probe is not None and probe.quantity == "pressure":
@@ -199,6 +215,13 @@ def _at_rest(scene: Scene, n: Numbers, floats: bool) -> float:
 def _slowed(scene: Scene, n: Numbers) -> float:
     """Of a swing by what artificial viscosity drags along with it."""
     return (DRAGGED if scene.goal.statistic in TIMES else DAMPED) * dragged(scene, n)
+
+
+def _resounded(scene: Scene, n: Numbers) -> float:
+    """Of a sprung body's swing by the water's own sound, which swings along."""
+    near = min(resounding(scene, n) / RADIATES, 1.0) ** 2
+    share = area(plates_body(scene, n.plate)) / sum(area(body) for body in scene.fluid.bodies)
+    return ECHOED * share * near / max(1.0 - near, NARROW)
 
 
 def _dies(scene: Scene, n: Numbers) -> bool:

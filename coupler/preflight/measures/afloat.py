@@ -1,4 +1,4 @@
-"""Whether a body floats or carries the water, and how far it has to go to its equilibrium, from the scene alone."""
+"""Whether a body floats, drifts or carries the water, and its way to equilibrium, from the scene alone."""
 
 from __future__ import annotations
 
@@ -26,6 +26,18 @@ def afloat(scene: Scene, body: Body) -> bool:
         return False
     along = sum(k * (part / g) ** 2 for k, part in zip(scene.solid.spring.stiffness, scene.gravity, strict=False))
     return along * AFLOAT < scene.fluid.density * g * lengthwise(body)[2]
+
+
+def adrift(scene: Scene, body: Body, quantity: str) -> bool:
+    """Whether nothing but the water's drag and mass tells how a body moves, along the axis of a `quantity` of it or at
+    all: neither springs, clamps, a table nor its waterline hold it there."""
+    solid, axis = scene.solid, {"x": 0, "y": 1}.get(quantity.rpartition("-")[2])
+    if solid.model == "rigid" or solid.motion is not None or any(one.body == body.name for one in solid.clamps):
+        return False
+    axes = (0, 1) if axis is None else (axis,)
+    sprung = solid.model == "spring" and all(solid.spring.stiffness[k] > 0.0 for k in axes)
+    upright = axis is None or scene.gravity[axis] != 0.0
+    return not sprung and not (upright and (_pierces(scene) or carries(scene, body)))
 
 
 def carries(scene: Scene, body: Body) -> bool:

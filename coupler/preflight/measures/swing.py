@@ -13,8 +13,12 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 
+import numpy as np
+
 from coupler.preflight.finding import of_particles
 from coupler.preflight.measures.numbers import Numbers
+from coupler.preflight.measures.plate import goals_quantity
+from shared.geometry.regions import corners_of
 from shared.schema.fluid import PARTICLE_FLUIDS
 from shared.schema.scene import Scene
 
@@ -101,14 +105,29 @@ def radiates(scene: Scene, n: Numbers) -> bool:
 def dragged(scene: Scene, n: Numbers) -> float:
     """Depth of the layer of water that artificial viscosity drags along with a plate that it flows round, over the
     plate's length, of a sprung body by the water's share of what swings; 0 of water that moves along as a column."""
-    sprung = n.joint is not None and n.plate.model == "spring" and n.plate.wet >= 2 and n.plate.frequency is not None
-    if sprung and of_particles(n) and n.water.rests and not n.joint.closes and not n.joint.parts:
+    if _flowed_round(n):
         layer = n.water.dragged_layer(swing(scene, n).omega) / n.plate.length
         return layer * (1.0 - 1.0 / n.joint.moved)
     swings = n.joint is not None and n.joint.wet_frequency is not None and n.plate.clamps
     if not swings or not of_particles(n) or not n.water.rests or n.joint.closes:
         return 0.0
     return n.water.dragged_layer(2.0 * math.pi * n.joint.wet_frequency) / n.plate.length
+
+
+def _flowed_round(n: Numbers) -> bool:
+    """Whether a sprung body swings in water of particles that flows round it."""
+    sprung = n.joint is not None and n.plate.model == "spring" and n.plate.wet >= 2 and n.plate.frequency is not None
+    return sprung and of_particles(n) and n.water.rests and not n.joint.closes and not n.joint.parts
+
+
+def resounding(scene: Scene, n: Numbers) -> float:
+    """Depth in radians of sound at a swing, of water that flows round a sprung body: π/2 where a standing wave of sound
+    swings as fast, of half a length between two walls, of a quarter below the surface; 0 of other bodies."""
+    if not _flowed_round(n):
+        return 0.0
+    axis = {"x": 0, "y": 1}.get(goals_quantity(scene).rpartition("-")[2], 1)
+    extent = float(np.ptp(corners_of(scene.fluid.bodies)[:, axis])) * (1.0 if scene.gravity[axis] else 0.5)
+    return swing(scene, n).omega * extent / n.water.sound_speed
 
 
 def carries_sound(scene: Scene) -> bool:

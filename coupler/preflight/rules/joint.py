@@ -7,7 +7,7 @@ import math
 from coupler.preflight.bounds.lattice import MANY_NEIGHBOURS, lattice_hold
 from coupler.preflight.finding import COLUMN, STEADY, Finding, above, below, graded, of_particles
 from coupler.preflight.measures.numbers import Numbers
-from coupler.preflight.measures.swing import RADIATES, carries_sound, dragged, sounding
+from coupler.preflight.measures.swing import RADIATES, carries_sound, dragged, resounding, sounding
 from coupler.preflight.measures.window import GROWTH_WARN, expected_plan, expected_window, lag_growth, window_alpha
 from coupler.stability.theory import incompressible, largest_stable
 from coupler.window import largest_alpha
@@ -34,7 +34,7 @@ STEP_RATIO_WARN = 5000.0  # sub-steps of the solid per fluid step; hydrostatic_p
 def helmholtz(scene: Scene, n: Numbers) -> Finding | None:
     """Depth of the water in radians of sound at the plate's frequency in incompressible water, 2π f H/c0."""
     if n.joint is None or not of_particles(n) or n.joint.wet_frequency is None:
-        return None
+        return _resounds(scene, n)
     j, w = n.joint, n.water
     value = sounding(scene, n)
     wet = f"in incompressible water the plate swings at {j.wet_frequency:.3g} Hz"
@@ -54,6 +54,15 @@ def helmholtz(scene: Scene, n: Numbers) -> Finding | None:
     # Who wants nothing is not refused it; and a splash may pass without the plate's own swing.
     refuse = HELMHOLTZ_REFUSE if scene.goal is not None and w.rests else math.inf
     return Finding("Helmholtz", value, above(value, HELMHOLTZ_WARN, refuse), why, way_out)
+
+
+def _resounds(scene: Scene, n: Numbers) -> Finding | None:
+    """The same of a sprung body that water flows round, in water whose own sound may swing along."""
+    value = resounding(scene, n)
+    if value <= HELMHOLTZ_WARN or scene.goal is None or scene.goal.statistic in STEADY:
+        return None
+    reason = f"the {n.plate.name} swings nearly as slowly as the water's own sound, c0 = {n.water.sound_speed:.3g} m/s"
+    return Finding("Helmholtz", value, "warn", reason, _faster_sound(n.water.sound_speed, value / HELMHOLTZ_WARN))
 
 
 def _faster_sound(now: float, times: float) -> str:
