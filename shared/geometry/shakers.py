@@ -100,6 +100,12 @@ def shakers(scene: Scene) -> list[Shaker]:
     return [Shaker(*one, scene.end_time) for one in moved]
 
 
+def as_one(scene: Scene, motion: Motion) -> bool:
+    """Whether the motion moves all that the water meets, so that it goes along and only its weight changes."""
+    moved = [wall.motion for wall in scene.walls] + ([scene.solid.motion] if scene.solid is not None else [])
+    return bool(scene.walls) and not any(motion.rotation or []) and all(one == motion for one in moved)
+
+
 def sound_time(scene: Scene) -> float:
     """ω L [m/s], the largest: over the sound speed the radians of what shakes the water in which sound crosses it."""
     return max((one.rate * one.extent for one in shakers(scene)), default=0.0)

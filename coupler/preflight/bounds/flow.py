@@ -50,7 +50,7 @@ from coupler.preflight.measures.numbers import Numbers
 from coupler.preflight.measures.plate import goals_probe, goals_quantity
 from shared.expected_speed import start_speed
 from shared.geometry.regions import corners_of, outline
-from shared.geometry.shakers import shakers
+from shared.geometry.shakers import as_one, shakers
 from shared.geometry.wall_chains import segments_of
 from shared.schema.fluid import Wall
 from shared.schema.probes import Probe
@@ -129,8 +129,8 @@ def past(scene: Scene, n: Numbers) -> float:
             across = np.stack([-along[:, 1], along[:, 0]], axis=1) / np.hypot(*along.T)[:, None]
             found.append(float(np.ptp(corners @ across.T, axis=0).min()))
     thin = min(found, default=math.inf)
-    streams = n.water.pulled or start_speed(scene) > 0.0 or any(one.span > thin for one in shakers(scene))
-    return thin if streams else math.inf
+    moved = any(one.span > thin and not as_one(scene, one.motion) for one in shakers(scene))
+    return thin if n.water.pulled or start_speed(scene) > 0.0 or moved else math.inf
 
 
 def off_level(scene: Scene, n: Numbers, probe: Probe, share: float, height: float = 0.0) -> float:

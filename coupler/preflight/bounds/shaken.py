@@ -39,8 +39,7 @@ from coupler.preflight.measures.shapes import area
 from coupler.preflight.measures.water import unbacked
 from shared.geometry.motion_table import MotionTable
 from shared.geometry.regions import outline
-from shared.geometry.shakers import Shaker, shakers, sound_time
-from shared.schema.geometry import Motion
+from shared.geometry.shakers import Shaker, as_one, shakers, sound_time
 from shared.schema.probes import FORCES
 from shared.schema.scene import Scene
 
@@ -77,7 +76,7 @@ def shaken_error(scene: Scene, n: Numbers) -> float:
 def why_unknown(scene: Scene, n: Numbers) -> str:
     """Why there is no bound."""
     if scene.goal.statistic in STEADY:
-        if scene.solid.motion is not None and _as_one(scene, scene.solid.motion):
+        if scene.solid.motion is not None and as_one(scene, scene.solid.motion):
             return "all is carried as one, and in the mean next to no weight is left along the goal's force"
         return "water without viscosity does not drag what goes on in it: all of the force is artificial"
     if sound_time(scene) >= QUARTER_WAVE * n.water.sound_speed:
@@ -99,19 +98,13 @@ def _stirred(scene: Scene, n: Numbers, shaker: Shaker) -> float:
     sides, top, _ = unbacked(scene)
     full = not sides and not top
     least = SQUEEZED if full and not shaker.structure else MELTS
-    if shaker.way <= least * n.water.dx or (full and _as_one(scene, shaker.motion)):
+    if shaker.way <= least * n.water.dx or (full and as_one(scene, shaker.motion)):
         return 0.0
     return math.inf if full else FLOW * n.water.dx / n.water.width
 
 
-def _as_one(scene: Scene, motion: Motion) -> bool:
-    """Whether the motion moves all that the water meets, so that it goes along and only its weight changes."""
-    moved = [wall.motion for wall in scene.walls] + ([scene.solid.motion] if scene.solid is not None else [])
-    return bool(scene.walls) and not any(motion.rotation or []) and all(one == motion for one in moved)
-
-
 def _dragged(scene: Scene, n: Numbers, shaker: Shaker) -> float:
-    if not shaker.structure or shaker.rate == 0.0 or _as_one(scene, shaker.motion):
+    if not shaker.structure or shaker.rate == 0.0 or as_one(scene, shaker.motion):
         return 0.0
     layer = n.water.dragged_layer(shaker.rate)
     layer /= float(np.ptp(shaker.points, axis=0).max())
@@ -121,7 +114,7 @@ def _dragged(scene: Scene, n: Numbers, shaker: Shaker) -> float:
 def _held(scene: Scene, n: Numbers, shaker: Shaker) -> float:
     if not shaker.structure or shaker.motion is not scene.solid.motion or shaker.acceleration == 0.0:
         return 0.0
-    if _as_one(scene, shaker.motion):
+    if as_one(scene, shaker.motion):
         return 0.0
     table, body = MotionTable(shaker.motion), plates_body(scene, n.plate)
     ways = table.displacements(np.asarray(shaker.motion.times), 0)[:, :2]
@@ -141,7 +134,7 @@ def _carried(scene: Scene, n: Numbers) -> float:
     if axis is None or moved is None or n.plate.wet < 2 or goals_probe(scene).body != n.plate.name:
         return 0.0
     table, ends = MotionTable(moved), np.array([scene.output.average_from, scene.end_time])
-    if _as_one(scene, moved):
+    if as_one(scene, moved):
         gained = np.diff(table.displacements(ends, 1)[:, axis])[0] / np.ptp(ends)
         return 0.0 if abs(g[axis] - gained) >= LEAST_WEIGHT * np.hypot(*g) > 0.0 else math.inf
     way = np.abs(np.diff(table.displacements(ends, 0)[:, :2], axis=0)[0])
