@@ -189,3 +189,16 @@ def test_cost_grows_with_the_cube_of_the_resolution():
     coarse, fine = (load_scene("dam_break", [f"fluid.dx={dx}"]) for dx in (2e-3, 1e-3))
     stepping = [cost.core_s - cost.start_s for cost in (predicted_cost(s, scene_numbers(s)) for s in (coarse, fine))]
     assert 5.5 < stepping[1] / stepping[0] < 8.0
+
+
+@pytest.mark.parametrize(
+    ("sets", "said"),
+    [
+        (["walls=[]"], "add [[walls]] there"),
+        (["gravity=[0.5, -9.81]"], "its surface is not level"),
+        (["fluid.bodies.water.velocity=[0.1, 0.0]"], "it moves, or is moved"),
+    ],
+)
+def test_water_that_does_not_rest_is_told_why(sets, said):
+    rungs = ladder(load_scene("hydrostatic_plate", sets))
+    assert said in next(rung.reason for rung in rungs if (rung.fluid, rung.solid) == ("still", "beam"))

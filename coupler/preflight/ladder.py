@@ -23,7 +23,7 @@ from coupler.preflight.measures.afloat import afloat
 from coupler.preflight.measures.numbers import Numbers, scene_numbers
 from coupler.preflight.measures.plate import goals_probe, goals_quantity, of_a_body, plates_body
 from coupler.preflight.measures.shapes import CROWDED, crowding
-from coupler.preflight.measures.water import measure_water
+from coupler.preflight.measures.water import LEVEL, measure_water
 from coupler.preflight.measures.window import GROWTH_WARN, lag_growth
 from coupler.preflight.rules.findings import findings
 from coupler.preflight.rules.joint import helmholtz
@@ -211,8 +211,11 @@ def _unable(scene: Scene, n: Numbers, worst: str) -> str:
             return f"the body floats: the windows of {n.water.model} do not follow its heave"
         if not any(scene.gravity) and n.water.model == "still":
             return "water at rest without weight presses on nothing"
+        if not n.water.held:
+            return "nothing holds the water on some side, so it flows away; if it is to rest, add [[walls]] there"
         if not n.water.rests:
-            return "the water is not at rest: nothing holds it where it stands, it is not level, or it starts moving"
+            sloped = n.water.slope > LEVEL * n.water.dx
+            return f"the water does not rest: {'its surface is not level' if sloped else 'it moves, or is moved'}"
         if n.water.boxed and n.joint is not None and n.joint.closes:
             return (
                 f"the plate closes a box of water, whose pressure comes from being squeezed; {n.water.model} has none"
@@ -235,8 +238,10 @@ def _cannot(scene: Scene, side: str, model: str | None) -> str:
     """Why a model cannot express its side of the scene at all; empty if it can."""
     solid = scene.solid
     held = side == "solid" and model in RIGID_MODELS and solid.model not in RIGID_MODELS
-    if held and (model == "spring" or goals_probe(scene) is None or of_a_body(scene)):
+    if held and (goals_probe(scene) is None or of_a_body(scene)):
         return "the goal is how an elastic body deforms"
+    if held and model == "spring":
+        return "the scene has no springs to hold a rigid body by"
     if model in ("still", "column") and solid is None:
         return f"model {model} is water on a structure, and there is none"
     changed, _ = with_models(scene, *((model, None) if side == "fluid" else (None, model)))

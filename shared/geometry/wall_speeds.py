@@ -53,6 +53,6 @@ def _course(wall: Wall) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     u, v, spin = table.displacements(times, order=1).T[:, :, None, None]
     arm = np.exp(1j * angle) * ((segments_of(wall) - table.about) @ _PLANE)
     place, speed = table.about @ _PLANE + x + 1j * y + arm, u + 1j * v + 1j * spin * arm
-    axis = np.diff(place, axis=2)[:, :, 0]
+    axis = np.diff(arm, axis=2)[:, :, 0]  # far away a wall has no length in rounded places
     axis = axis / np.abs(axis)
     return place, axis, speed * axis.conj()[:, :, None]
