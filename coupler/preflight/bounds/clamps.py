@@ -1,7 +1,8 @@
 """What a body's clamps add to the error of the goal, relative, and by how much more it counts in some goals.
 
 Measured against 2-D elasticity (quadratic elements): cantilevers and plates clamped at both ends, 3 to 20 times as long
-as thick, 4 to 20 particles across, ν 0 to 0.49; x = clamps × dx/L, t thickness, L length.
+as thick, 4 to 20 particles across, ν 0 to 0.49; x = clamps × dx/L, t thickness, L length, or what of
+it is wet where water at rest alone pushes.
 
     of particles   give way within about a particle: (0.6 + 1.45 ν) x + 9 x² of clamped ends; (0.27 + 0.1 ν) dx/t of a
                    long face, which counts as an end, x = dx/t, where water pushes along it; 1.2 dx/t where they hold a
@@ -37,7 +38,7 @@ def clamps_slip(scene: Scene, plate: Plate) -> float:
     parts = held_in_part(scene, body)
     made_of = limbs(body)
     joints = plate.clamps + (made_of.corners if made_of else 0)
-    share, flat = joints * dx / plate.length, len(held_sides(scene, body)) - plate.clamps - parts
+    share, flat = joints * dx / plate.bent, len(held_sides(scene, body)) - plate.clamps - parts
     if flat and _sheared(scene, plate, body):  # such a face is an end
         share, flat = share + flat * dx / plate.thickness, 0
     ends = (SLIP[0] + SLIP[1] * nu) * share + SLIP[2] * share**2
@@ -57,7 +58,7 @@ def _sheared(scene: Scene, plate: Plate, body: Body) -> bool:
 def clamps_width(scene: Scene, plate: Plate) -> float:
     """Of a beam: clamps that leave the section its width."""
     nu = scene.solid.poisson_ratio
-    width = WIDTH * plate.clamps * nu**2 / (1.0 - nu) * plate.thickness / plate.length
+    width = WIDTH * plate.clamps * nu**2 / (1.0 - nu) * plate.thickness / plate.bent
     return width * _counts(scene, plate, plates_body(scene, plate))
 
 

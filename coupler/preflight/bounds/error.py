@@ -10,12 +10,10 @@ worst found; dx spacing of the fluid. The structure's part, and what its swing a
                        the swing of a plate that bends, whose water flows sideways too (share of the first mode,
                        numbers.py); no bound of that of an upright one, whose water gives way upward    a sprung gate
                        none where lagged exchange makes a swing grow a hundred times until the end      piston
-    its points         of both, n along a plate that bends: 3/n⁴ under columns on a cantilever, of a plate between two
-                       clamps 6/n⁴ (still), 15/n⁴ (column); less than four links, or five columns, do not tell its
-                       curvature: 1.2/n², 1.2/n⁴                           a dam of steel before 10 cm of mercury
     sound              of water that carries it θ²/4 of a swing, θ the depth in radians of sound, or L/π of a plate that
                        does not close its water, whose mass counts tan θ/θ times
                                                                             a tank on springs, a floor under 5 cm
+    points, its and the plate's   points.py
     water at rest      dx/H (ctvf), 3 dx/H (wcsph), a tenth with h = 2 dx  still_tank, soft_plate, hydrostatic_plate
                        times buoyancy over what it leaves of the weight of a plate under water
     its surface        besides, over its height above the gauge: g H²/(2 c0²), and 0.05 dx; no bound for a gauge at it
@@ -57,6 +55,7 @@ import numpy as np
 
 from coupler.preflight.bounds.flow import MOTIONS, SMOOTH, flow_error, off_level
 from coupler.preflight.bounds.lattice import HELD, lattice_hold
+from coupler.preflight.bounds.points import SPREAD_OUT, at_points, spread_out
 from coupler.preflight.bounds.resonance import RESONANCE, resonance
 from coupler.preflight.bounds.shaken import SHAKEN, shaken_error
 from coupler.preflight.bounds.solid import (
@@ -71,7 +70,6 @@ from coupler.preflight.bounds.solid import (
 )
 from coupler.preflight.finding import COLUMN, STEADY, of_particles
 from coupler.preflight.measures.afloat import adrift, afloat, to_equilibrium
-from coupler.preflight.measures.held import lengthwise
 from coupler.preflight.measures.numbers import Numbers
 from coupler.preflight.measures.plate import goals_probe, goals_quantity, of_a_body, plates_body
 from coupler.preflight.measures.shapes import CROWDED, area, crowding
@@ -79,8 +77,7 @@ from coupler.preflight.measures.swing import RADIATES, carries_sound, dragged, l
 from coupler.preflight.measures.upright import levels_pull
 from coupler.preflight.measures.water import covered
 from coupler.preflight.measures.window import GROWTH_WARN, lag_growth
-from shared.geometry.regions import axes_of, corners_of
-from shared.geometry.wetted_faces import load_spacing
+from shared.geometry.regions import corners_of
 from shared.schema.fluid import PARTICLE_FLUIDS
 from shared.schema.probes import FORCES, Probe
 from shared.schema.scene import Scene
@@ -89,9 +86,6 @@ from shared.schema.solid import RIGID_MODELS
 Parts = dict[str, float]
 
 STILL = 1e-3
-AT_POINTS = {"still": (0.0, 6.0), "column": (3.0, 15.0)}  # over n⁴, of a cantilever and between two clamps
-ENOUGH = {"still": 4, "column": 5}  # points of a face that tell how it is curved
-AT_FEW = ((1.2, 2), (1.2, 4))  # over a power of fewer
 REST = {"ctvf": 1.0, "wcsph": 3.0}
 CROWD, EASED = 2.0, 0.1  # from this h/dx on a lattice of particles bears hardly any shear, and rest is as much better
 SAG = 0.05  # of dx: what a lattice that bears shear takes off a level
@@ -114,6 +108,8 @@ def error_parts(scene: Scene, n: Numbers) -> Parts:
         parts[f"fluid {scene.fluid.model}"] = UNKNOWN if away else _fluid(scene, n)
         if shaken := shaken_error(scene, n):
             parts[SHAKEN] = shaken
+    if spread := spread_out(scene, n):
+        parts[SPREAD_OUT] = spread
     if over_faces := _over_faces(scene, n):
         parts[FACES] = over_faces
     if hold := lattice_hold(scene, n):
@@ -139,7 +135,7 @@ def _fluid(scene: Scene, n: Numbers) -> float:
     if water.model == "still":
         weighs = any(scene.gravity)
         known = water.rests and steady and weighs and not closed and not floats
-        return STILL + _at_points(scene, n) if known else UNKNOWN
+        return STILL + at_points(scene, n) if known else UNKNOWN
     if water.model not in PARTICLE_FLUIDS:
         bends = n.plate is not None and n.plate.model not in RIGID_MODELS
         if not water.rests or floats or (closed and scene.fluid.column.far_end == "open"):
@@ -147,7 +143,7 @@ def _fluid(scene: Scene, n: Numbers) -> float:
         if lag_growth(scene, n) > math.log(GROWTH_WARN):
             return UNKNOWN
         if steady:
-            return STILL + _off_columns_level(scene, n) + _at_points(scene, n)
+            return STILL + _off_columns_level(scene, n) + at_points(scene, n)
         if n.joint.parts:  # that water gives way upward, and not along them
             return UNKNOWN
         return (COLUMN if bends else STILL) + _sounding(scene, n)
@@ -167,20 +163,6 @@ def _off_columns_level(scene: Scene, n: Numbers) -> float:
         return levels_pull(scene, n.plate, n.joint.parts)
     bends = n.plate.model not in RIGID_MODELS
     return (n.plate.deflection or 0.0) / n.water.height if bends else 0.0
-
-
-def _at_points(scene: Scene, n: Numbers) -> float:
-    """Of what a plate bends under pressures at points: those of its columns, or of its side in `still`."""
-    if n.plate is None or n.plate.model in RIGID_MODELS or not of_a_body(scene):
-        return 0.0
-    body, model = plates_body(scene, n.plate), n.water.model
-    axis, _, length = lengthwise(body)
-    if model == "column":
-        along = corners_of(scene.fluid.bodies)
-        length = min(length, float(np.ptp(along @ axes_of(body.rotate)[axis])))
-    points, two = max(1, round(length / load_spacing(scene))), int(n.plate.clamps == 2)
-    times, power = (AT_POINTS[model][two], 4) if points >= ENOUGH[model] else AT_FEW[two]
-    return times / points**power
 
 
 def _at_rest(scene: Scene, n: Numbers, floats: bool) -> float:

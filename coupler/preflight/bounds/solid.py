@@ -101,7 +101,7 @@ def of_structure(scene: Scene, n: Numbers) -> float:
         shape = BEAM_SHAPE
         if goals_quantity(scene) in STRESSES:
             shape = max(BEAM_STRESS * shape, BEAM_BESIDE * _beside_bending(scene, plate))
-        bound = shape * overtone(scene, plate) * (plate.thickness / plate.length) ** 2
+        bound = shape * overtone(scene, plate) * (plate.thickness / plate.bent) ** 2
         bound += clamps_width(scene, plate) + BEAM_BENT * _bent(plate, what) ** 2
     elif plate.model == "ctvf" and solid.gradient != "quadratic":
         bound = LINEAR / plate.across**2 if solid.gradient == "linear" else PRINTED / plate.across

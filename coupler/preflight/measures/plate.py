@@ -26,7 +26,7 @@ from coupler.preflight.measures.pressed import strain_along
 from coupler.preflight.measures.shapes import area
 from coupler.preflight.measures.water import UPWARD, Water, edge_samples
 from shared.elasticity import wave_speed
-from shared.geometry.regions import contains, outline, own_size
+from shared.geometry.regions import axes_of, contains, corners_of, outline, own_size
 from shared.scene.sides import is_solids
 from shared.schema.fluid import FluidBody
 from shared.schema.geometry import Body
@@ -48,18 +48,19 @@ _WET = 0.5  # of a face's samples before which water stands, from which it count
 
 @dataclass(frozen=True)
 class Plate:
-    """The body that the goal asks about, or else the thinnest of the solid. `frequency` [1/s]: of a slender body, or of
-    a rigid one on its springs; `deflection` [m]: of a slender body under the scene's loads; None where there is no such
-    thing. `strain`: under them along the way from the face that holds it, pressed below 0; `along`: they push it along
-    its length alone; `squeeze`: what presses it along its length over Euler's load; `wet`: number of its long faces
-    with water before them at t = 0; `thinnest` [m]: thickness of the thinnest body, the first to fail where an exchange
-    or a spacing does."""
+    """The body that the goal asks about, or else the thinnest of the solid. `bent` [m]: length along which it bends;
+    `frequency` [1/s]: of a slender body, or of a rigid one on its springs; `deflection` [m]: of a slender body under
+    the scene's loads; None where there is no such thing. `strain`: under them along the way from the face that holds
+    it, pressed below 0; `along`: they push it along its length alone; `squeeze`: what presses it along its length over
+    Euler's load; `wet`: number of its long faces with water before them at t = 0; `thinnest` [m]: thickness of the
+    thinnest body, the first to fail where an exchange or a spacing does."""
 
     name: str
     model: str
     density: float
     thickness: float
     length: float
+    bent: float
     across: float
     clamps: int
     wave_speed: float
@@ -135,6 +136,7 @@ def measure_plate(scene: Scene, water: Water | None) -> Plate:
         density=solid.density,
         thickness=thickness,
         length=length,
+        bent=min(length, _bent(scene, body, water)),
         across=thickness / solid.dx,
         clamps=ends,
         wave_speed=wave_speed(solid) if solid.youngs_modulus is not None else math.inf,
@@ -195,6 +197,17 @@ def _solid_step(scene: Scene, clamps: int) -> float:
     if solid.model == "ctvf":
         return UPDATED_COURANT[solid.gradient] * spacing_time
     return lattice_step(expected_limit(clamps, solid.poisson_ratio) * spacing_time, viscous_time(solid))
+
+
+def _bent(scene: Scene, body: Body, water: Water | None) -> float:
+    """Length [m] of a body along which what pushes it bends it: of one that water at rest alone pushes what that can
+    reach, for a part of it that is wet bends as far up as it is; of a swing all."""
+    axis, _, length = lengthwise(body)
+    swings = scene.goal is not None and scene.goal.statistic in ("period", "wave-period")
+    loaded = any(load.body == body.name for load in scene.solid.loads)
+    if water is None or not water.rests or not any(scene.gravity) or swings or loaded:
+        return length
+    return min(length, float(np.ptp(corners_of(scene.fluid.bodies) @ axes_of(body.rotate)[axis])))
 
 
 def levels_before(scene: Scene, body: Body) -> list[float]:
