@@ -140,7 +140,7 @@ def decode(data: bytes) -> Message:
     try:
         packed = msgpack.unpackb(data, unicode_errors=_NAMES)
     except Exception as error:  # msgpack raises many kinds for malformed input
-        raise BadMessage(f"message is not valid msgpack: {error}") from None
+        raise BadMessage(f"message is not valid msgpack: {str(error) or type(error).__name__}") from None
     if not isinstance(packed, dict):
         raise BadMessage(f"message is a {type(packed).__name__}, not a map")
     if packed.get("contract") != CONTRACT_VERSION:

@@ -234,6 +234,18 @@ def test_a_manifest_is_whole_or_damaged(tmp_path):
             newest(tmp_path)
 
 
+@pytest.mark.parametrize("wrong", [{"window": "5"}, {"t": None}, {"notes": []}, {"notes": {"probe_rows": "3"}}])
+def test_a_manifest_holds_what_is_needed_or_is_damaged(tmp_path, wrong):
+    path = sealed(Checkpoints(tmp_path, 1e9), 5, 1.0) / "manifest.json"
+    manifest = json.loads(path.read_text())
+    del manifest["sum"]
+    path.write_text(json.dumps(manifest))
+    assert newest(tmp_path).window == 5
+    path.write_text(json.dumps(manifest | wrong))
+    with pytest.raises(BadInput, match=r"window-0000000005 is damaged \(manifest\.json\)"):
+        newest(tmp_path)
+
+
 def test_a_checkpoint_that_cannot_be_written_is_a_clear_error(tmp_path):
     (tmp_path / "checkpoints").write_text("in the way")
     with pytest.raises(ShearwaterError, match=r"cannot be written.*checkpoint_every=0"):

@@ -37,6 +37,12 @@ State = dict[str, np.ndarray]
 FOLDER = "checkpoints"
 _KEPT = 2
 _MANIFEST = "manifest.json"
+_KINDS = {"window": int, "t": int | float, "parts": dict, "notes": dict}
+_NOTES = {
+    **dict.fromkeys(("case", "scene"), str),
+    **dict.fromkeys(("threads", "preflight", "programs", "environment", "counts"), dict),
+    **{"probe_rows": int, "wall_s": int | float, "reasons": list},
+}
 _WHAT, _INSTEAD = "The checkpoint", ", do without (--set output.checkpoint_every=0)"
 AGAIN = "Start it again with `run` and a new directory (--out DIR): runs are never overwritten."
 """The way out where a run cannot go on."""
@@ -184,12 +190,17 @@ def _spoiled(folder: Path) -> list[str]:
     try:
         manifest = json.loads((folder / _MANIFEST).read_text())
         sum_ = manifest.pop("sum", None)  # earlier versions had none
-        parts, _, _, _ = manifest["parts"].items(), manifest["window"], manifest["t"], manifest["notes"]
+        notes = {name: note for name, note in manifest["notes"].items() if name in _NOTES}
+        right = _are(manifest, _KINDS) and _are(notes, {name: _NOTES[name] for name in notes})
     except (OSError, ValueError, KeyError, TypeError, AttributeError):
         return [_MANIFEST]
-    if sum_ is not None and _sum(manifest) != sum_:
+    if not right or (sum_ is not None and _sum(manifest) != sum_):
         return [_MANIFEST]
-    return [name for name, written in parts if not _stands(folder / name, written)]
+    return [name for name, written in manifest["parts"].items() if not _stands(folder / name, written)]
+
+
+def _are(values: Mapping[str, Any], kinds: Mapping[str, Any]) -> bool:
+    return all(isinstance(values[name], kind) for name, kind in kinds.items())
 
 
 def _stands(path: Path, checksum: str) -> bool:
