@@ -292,3 +292,19 @@ def test_loads_spread_over_few_points_bend_a_plate_more(tmp_path, thick, deep, s
         f"solid.dx={thick / across}",
     ]
     assert error <= bound_of(scene_of(MERCURY, tmp_path, sets)) <= 4.0 * error
+
+
+WEIGHTLESS = ["gravity=[0.0, 0.0]", "fluid.sound_speed=10"]
+
+
+def test_numbers_of_water_are_those_of_its_own_frame(tmp_path):
+    """A channel 14 particles wide that slopes by 45°, drawn turned or by its corners: 116 across were told."""
+    wide = TANK.replace("[[0.0, 0.75], [0.0, 0.0], [0.5, 0.0], [0.5, 0.75]]", "[[-5, 5], [-5, -5], [5, -5], [5, 5]]")
+    upright = "rectangle = [0.0, 0.0, 0.5, 0.5]"
+    corners = "polygon = [[0.0, 0.0], [2.0, 2.0], [1.8, 2.2], [-0.2, 0.2]]"
+    for shape in ("rectangle = [0.0, 0.0, 3.0, 0.2828], rotate = { angle = 45.0 }", corners):
+        water = scene_numbers(scene_of(wide.replace(upright, shape), tmp_path)).water
+        assert water.width == pytest.approx(0.2828, rel=1e-3)
+    for sides in ("[0.0, 0.0, 0.5, 0.3]", "[0.0, 0.0, 0.3, 0.5]"):
+        weightless = scene_of(wide.replace("[0.0, 0.0, 0.5, 0.5]", sides), tmp_path, WEIGHTLESS)
+        assert scene_numbers(weightless).water.height == 0.3

@@ -224,6 +224,13 @@ def seiche(length: float, depth: float, height: float) -> str:
     return text.replace("DEPTH", str(depth)).replace("SPEED", str(speed))
 
 
+def sloped(rise: float) -> str:
+    """Water of 1 m by 0.3 m in a tank, whose surface is let go as it rises by this [m]."""
+    before, _, after = seiche(1.0, 0.3, 0.0).partition("rectangle")
+    corners = f"[[0.0, 0.0], [1.0, 0.0], [1.0, {0.3 - 0.5 * rise}], [0.0, {0.3 + 0.5 * rise}]]"
+    return f"{before}polygon = {corners}\n" + after[after.index("[[walls]]") :]
+
+
 def worn(height: float, model: str, dx: float, alpha: float) -> tuple[str, list[str]]:
     """A seiche of 1 m by 1 m with crests of this height [m], and what it is computed with."""
     text = seiche(1.0, 1.0, height).replace("[1.0, 0.0], [1.0, 1.0]", "[1.0, 0.0], [1.0, 2.0]")
@@ -287,6 +294,8 @@ MEASURED = [
             ("wcsph", 0.01, (1.0, 0.1, 0.002), 0.0295),
         )
     ),
+    (seiche(0.5, 0.24, 0.02), ["fluid.dx=0.02", "fluid.alpha=0.0", "fluid.viscosity=1e-3"], 0.0041),
+    (sloped(0.03), ["fluid.dx=0.01875", "fluid.alpha=0.0", "fluid.viscosity=1e-4", "fluid.h_over_dx=1.3"], 0.0457),
     *(
         (seiche(0.5, 0.2, height), [f"fluid.dx={dx}", "goal.statistic=max", "end_time=0.87"], error)
         for dx, height, error in ((0.0125, 0.004, 0.69), (0.0125, 0.02, 0.065))

@@ -175,7 +175,7 @@ def _at_rest(scene: Scene, n: Numbers, floats: bool) -> float:
     if not steady and n.plate is not None and n.plate.model == "spring":
         smooth = SMOOTH[water.model] * water.dx
         if n.joint.closes:  # it carries all the water along, and none flows round it
-            return smooth / water.height * (0.5 if scene.goal.statistic in TIMES else 1.0) + _sounding(scene, n)
+            return smooth / n.joint.depth * (0.5 if scene.goal.statistic in TIMES else 1.0) + _sounding(scene, n)
         if scene.goal.statistic == "period" and _dies(scene, n):
             return UNKNOWN
         return smooth / min(water.width, n.plate.thickness) + _slowed(scene, n) + _resounded(scene, n)

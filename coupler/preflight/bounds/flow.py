@@ -12,8 +12,9 @@ wave's period      0.25 % and what was found with h = 2 dx: 7.7 x^1.75 (ctvf), 1
                    dx/wavelength, with wendland-c2 as its reach squared (ctvf), to the fourth (wcsph); and too short at
                    any x by the shear that a lattice bears under pressure (lattice_shear.py), or 0.6 of what it leaves
                    its rows by either way                                                     standing_wave
-                   without viscosity of its own a lattice melts late: 0.5 % (ctvf), 0.9 % (wcsph) more either way,
-                   and dx over a wave's height at the start times that where it is lower than dx     seiches
+                   where viscosity of its own takes less than a fifth of a wave's height in a period a lattice melts
+                   late: 0.5 % (ctvf), 0.9 % (wcsph) more either way, and dx over a wave's height at the start times
+                   that where it is lower than dx          seiches; waves on water λ/8 to λ/2 deep, ν 1e-3 m²/s
 surface's height   besides, over its way from the gauge, the wave's height counted: the level of settled water,
                    g H²/(2 c0²) lower, and 0.2 dx
 lid beside walls   0.92 (dx/width)^0.55 besides: 14, 9, 7 % at the centre of a box 25, 50, 100 dx wide (ctvf);
@@ -60,7 +61,8 @@ SMOOTH = {"ctvf": 0.5, "wcsph": 1.5}
 WAVE = {"ctvf": (7.7, 1.75, 2), "wcsph": (18.9, 1.94, 4)}  # factor, powers of dx/wavelength and of the reach over 4 dx
 WAVE_MARGIN = (1.2, {"ctvf": 0.0025, "wcsph": 0.003})
 LEFT = 0.6  # of what a lattice leaves its rows by
-UNMELTED = {"ctvf": 0.005, "wcsph": 0.009}  # of a period, where no viscosity of its own breaks the lattice
+UNMELTED = {"ctvf": 0.005, "wcsph": 0.009}  # of a period, where viscosity of its own breaks no lattice
+MELTING = 0.2  # of a wave's height, taken in a period: 0.35 and more breaks it (standing_wave), 0.09 does not
 GAUGE = 0.2  # of dx: what particles that come and go put on a surface that moves
 WAVES = 0.2  # of a height, where a lattice bears waves
 FLOW, FRONT = 5.0, 1.4
@@ -234,15 +236,16 @@ def _let_go(scene: Scene, n: Numbers) -> float:
 def _period(scene: Scene, n: Numbers, wave: Wave | None) -> float:
     """Of the period of a wave."""
     model = n.water.model
-    (factor, power, reach), (times, more), length = WAVE[model], WAVE_MARGIN, _wavelength(scene, n)
+    (factor, power, reach), (times, more) = WAVE[model], WAVE_MARGIN
+    length = 2.0 * math.pi / wave.k if wave is not None else _wavelength(scene, n)
     wide = n.water.support / (4.0 * n.water.dx) if scene.fluid.kernel == "wendland-c2" else 1.0
     slow = factor * (n.water.dx / length) ** power * wide**reach
     fast = too_fast(scene.fluid.kernel, scene.fluid.h_over_dx, 2.0 * math.pi * n.water.height / length)
     error = times * abs(slow - fast) + more[model] + LEFT * restless(scene)
     if wave is not None:
         error += 0.5 * times * (2.0 * n.water.artificial * wave.k**2 / wave.omega) ** 2
-    if scene.fluid.viscosity > 0.0:
-        return error
+        if 4.0 * math.pi * scene.fluid.viscosity * wave.k**2 > MELTING * wave.omega:
+            return error
     low = n.water.dx / wave.height if wave is not None and wave.height > 0.0 else 1.0
     return error + UNMELTED[model] * max(1.0, low)
 

@@ -6,10 +6,11 @@ from __future__ import annotations
 from functools import lru_cache
 
 import numpy as np
+from scipy.spatial import ConvexHull
 
 from shared.geometry import regions
 from shared.geometry.particles import fill
-from shared.geometry.regions import Same, outline_own, own_size
+from shared.geometry.regions import Same, corners_of, outline_own, own_size
 from shared.schema.geometry import Shape
 
 _SLANT = 1e-6  # of dx: a face that leaves its line by less lies along it
@@ -30,6 +31,14 @@ def _excess(same: Same, dx: float) -> float:
 def area(shape: Shape) -> float:
     """As regions.area."""
     return _area(Same(shape))
+
+
+def least_extent(shape: Shape) -> float:
+    """Least distance [m] of two parallel lines that a shape lies between; one of them lies along its hull."""
+    if shape.rectangle is not None:
+        return float(own_size(shape).min())
+    hull = ConvexHull(corners_of([shape]))
+    return float(np.ptp(hull.points[hull.vertices] @ hull.equations[:, :2].T, axis=0).min())
 
 
 def cells(shape: Shape, dx: float) -> float:

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from coupler.preflight.measures.gravity import across_and_up, upward
-from coupler.preflight.measures.shapes import area
+from coupler.preflight.measures.shapes import area, least_extent
 from shared.expected_speed import drifts, driven_speed, expected_speed, sound_speed, start_speed
 from shared.fluid_step import COURANT, fluid_step
 from shared.geometry.regions import contains, corners_of, distance_to, outline
@@ -38,8 +38,8 @@ class Water:
     density: float
     sound_speed: float
     speed: float  # largest expected, m/s
-    height: float  # against gravity, m
-    width: float  # smallest extent of a body, m
+    height: float  # against gravity, without it least along an axis, m
+    width: float  # least extent of a body, whichever way it is turned, m
     dx: float
     h: float
     support: float
@@ -66,7 +66,7 @@ def measure_water(scene: Scene) -> Water:
     fluid = scene.fluid
     g = math.hypot(*scene.gravity)
     corners = corners_of(fluid.bodies)
-    height = float(np.ptp(corners @ np.asarray(scene.gravity))) / g if g else float(np.ptp(corners[:, 1]))
+    height = float(np.ptp(corners @ np.asarray(scene.gravity))) / g if g else float(np.ptp(corners, axis=0).min())
     start, speed = start_speed(scene), expected_speed(scene)
     sound = sound_speed(scene)
     h = fluid.h_over_dx * fluid.dx
@@ -92,7 +92,7 @@ def measure_water(scene: Scene) -> Water:
         sound_speed=sound,
         speed=speed,
         height=height,
-        width=min(float(np.ptp(outline(body).reshape(-1, 2), axis=0).min()) for body in fluid.bodies),
+        width=min(least_extent(body) for body in fluid.bodies),
         dx=fluid.dx,
         h=h,
         support=support,
