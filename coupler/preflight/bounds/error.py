@@ -15,7 +15,8 @@ worst found; dx spacing of the fluid. The structure's part, and what its swing a
                                                                             a tank on springs, a floor under 5 cm
     points, its and the plate's   points.py
     water at rest      dx/H (ctvf), 3 dx/H (wcsph), a tenth with h = 2 dx  still_tank, soft_plate, hydrostatic_plate
-                       times buoyancy over what it leaves of the weight of a plate under water
+                       times buoyancy over what it leaves of the weight of a plate under water; all of this of a level
+                       plate times the push over what weight and loads leave of it     a heavy roof that water lifts
     its surface        besides, over its height above the gauge: g H²/(2 c0²), and 0.05 dx; no bound for a gauge at it
     its push on walls  besides, what settled water that walls cover has too much of mass, g z/c0²  a tank that narrows
     its push sideways  besides, 2 g H/(3 c0²): settled water stands lower at the same pressure below
@@ -71,7 +72,7 @@ from coupler.preflight.bounds.solid import (
 from coupler.preflight.finding import COLUMN, STEADY, of_particles
 from coupler.preflight.measures.afloat import adrift, afloat, to_equilibrium
 from coupler.preflight.measures.numbers import Numbers
-from coupler.preflight.measures.plate import goals_probe, goals_quantity, of_a_body, plates_body
+from coupler.preflight.measures.plate import counts_of_water, goals_probe, goals_quantity, of_a_body, plates_body
 from coupler.preflight.measures.shapes import CROWDED, area, crowding
 from coupler.preflight.measures.swing import RADIATES, carries_sound, dragged, late, radiates, resounding
 from coupler.preflight.measures.upright import levels_pull
@@ -109,7 +110,7 @@ def error_parts(scene: Scene, n: Numbers) -> Parts:
         if shaken := shaken_error(scene, n):
             parts[SHAKEN] = shaken
     if spread := spread_out(scene, n):
-        parts[SPREAD_OUT] = spread
+        parts[SPREAD_OUT] = spread * _left_of_water(scene, n)
     if over_faces := _over_faces(scene, n):
         parts[FACES] = over_faces
     if hold := lattice_hold(scene, n):
@@ -135,7 +136,7 @@ def _fluid(scene: Scene, n: Numbers) -> float:
     if water.model == "still":
         weighs = any(scene.gravity)
         known = water.rests and steady and weighs and not closed and not floats
-        return STILL + at_points(scene, n) if known else UNKNOWN
+        return (STILL + at_points(scene, n)) * _left_of_water(scene, n) if known else UNKNOWN
     if water.model not in PARTICLE_FLUIDS:
         bends = n.plate is not None and n.plate.model not in RIGID_MODELS
         if not water.rests or floats or (closed and scene.fluid.column.far_end == "open"):
@@ -143,7 +144,7 @@ def _fluid(scene: Scene, n: Numbers) -> float:
         if lag_growth(scene, n) > math.log(GROWTH_WARN):
             return UNKNOWN
         if steady:
-            return STILL + _off_columns_level(scene, n) + at_points(scene, n)
+            return (STILL + _off_columns_level(scene, n) + at_points(scene, n)) * _left_of_water(scene, n)
         if n.joint.parts:  # that water gives way upward, and not along them
             return UNKNOWN
         return (COLUMN if bends else STILL) + _sounding(scene, n)
@@ -180,7 +181,8 @@ def _at_rest(scene: Scene, n: Numbers, floats: bool) -> float:
             return UNKNOWN
         return smooth / min(water.width, n.plate.thickness) + _slowed(scene, n) + _resounded(scene, n)
     crowded = EASED if scene.fluid.h_over_dx >= CROWD else 1.0
-    error = REST[water.model] * water.dx / water.height * crowded * _left_of_weight(scene, n)
+    closes = n.joint is not None and n.joint.closes  # it bears the water's weight, whatever the pressures
+    error = REST[water.model] * water.dx / water.height * crowded * (1.0 if closes else _left_of_water(scene, n))
     if probe is not None and probe.quantity == "pressure":
         error += _near_surface(scene, n, probe)
     if probe is not None and probe.quantity == "elevation":
@@ -266,11 +268,14 @@ def _sounding(scene: Scene, n: Numbers) -> float:
     return 0.25 * theta**2 if theta < RADIATES else UNKNOWN
 
 
-def _left_of_weight(scene: Scene, n: Numbers) -> float:
-    """Buoyancy over what it leaves of the weight of a plate under water: so many times its error counts in bending."""
-    if n.plate is None or n.plate.wet < 2 or not scene.solid.gravity or scene.solid.loads:
+def _left_of_water(scene: Scene, n: Numbers) -> float:
+    """Push of water at rest over what is left of it: so many times its error counts in bending. Of a plate under water
+    buoyancy over what it leaves of the weight; of a level one with water on one side by its weight and loads."""
+    if n.plate is None or goals_quantity(scene) in FORCES:
         return 1.0
-    if goals_quantity(scene) in FORCES:
+    if n.plate.wet < 2:
+        return counts_of_water(scene, n.plate, n.water) if n.plate.clamps and of_a_body(scene) else 1.0
+    if not scene.solid.gravity or scene.solid.loads:
         return 1.0
     left = abs(n.plate.density - n.water.density)
     return max(1.0, n.water.density / left) if left > 0.0 else UNKNOWN
