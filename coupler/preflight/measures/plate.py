@@ -26,6 +26,7 @@ from coupler.preflight.measures.pressed import strain_along
 from coupler.preflight.measures.shapes import area
 from coupler.preflight.measures.water import UPWARD, Water, edge_samples
 from shared.elasticity import wave_speed
+from shared.geometry.limbs import limbs
 from shared.geometry.regions import axes_of, contains, corners_of, outline, own_size
 from shared.scene.sides import is_solids
 from shared.schema.fluid import FluidBody
@@ -201,14 +202,13 @@ def _solid_step(scene: Scene, clamps: int) -> float:
 
 
 def _bent(scene: Scene, body: Body, water: Water | None) -> float:
-    """Length [m] of a body along which what pushes it bends it: of one that water at rest alone pushes what that can
-    reach, for a part of it that is wet bends as far up as it is; of a swing all."""
-    axis, _, length = lengthwise(body)
+    """How far [m] along a body what pushes it bends it: where water at rest alone does as far as that can reach; where
+    anything else does, of a swing and of a frame, no less than all of it."""
     swings = scene.goal is not None and scene.goal.statistic in ("period", "wave-period")
     loaded = any(load.body == body.name for load in scene.solid.loads)
-    if water is None or not water.rests or not any(scene.gravity) or swings or loaded:
-        return length
-    return min(length, float(np.ptp(corners_of(scene.fluid.bodies) @ axes_of(body.rotate)[axis])))
+    if water is None or not water.rests or not any(scene.gravity) or swings or loaded or limbs(body) is not None:
+        return math.inf
+    return float(np.ptp(corners_of(scene.fluid.bodies) @ axes_of(body.rotate)[lengthwise(body)[0]]))
 
 
 def levels_before(scene: Scene, body: Body) -> list[float]:
