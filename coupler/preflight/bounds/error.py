@@ -25,8 +25,9 @@ worst found; dx spacing of the fluid. The structure's part, and what its swing a
                                                                        at 2.5 to 40 cm in half a metre, dx 1 to 4 cm
     its motion         no bound: it has none
     rows that do not fit between two faces: no bound but of a mean, for water at rest is stirred     a submerged block
-    a body afloat      a waterline within 0.4 dx besides: over its way to equilibrium where the goal is a displacement
-                       along gravity, else over its thickness                                     floating rafts
+    a body afloat      a waterline within 0.4 dx besides, 0.1 dx of a raft whose faces lie between whole rows (found
+                       0.34 and 0.005 to 0.042): over its way to equilibrium where the goal is a displacement along
+                       gravity, else over its thickness  rafts of 0.3 to 0.85 of water's density, 2 mm to 20 cm wide
     a body that swings in water of particles 1.5 dx/d (wcsph), 0.5 dx/d (ctvf), d its thickness if that is less; the
                        depth where it spans the water, which then moves as it does                a sprung floor
     a plate that swings in water of particles: the layer δ that artificial viscosity drags along, δ/L of a time and
@@ -91,7 +92,7 @@ REST = {"ctvf": 1.0, "wcsph": 3.0}
 CROWD, EASED = 2.0, 0.1  # from this h/dx on a lattice of particles bears hardly any shear, and rest is as much better
 SAG = 0.05  # of dx: what a lattice that bears shear takes off a level
 SENSOR = 0.09  # of a sensor's reach by (1 − depth/reach)²: what it feels too much where it reaches out of the water
-WATERLINE = 0.4  # of dx
+WATERLINE, ON_ROWS, ROWS = 0.4, 0.1, 1e-3  # of dx; where a raft's faces lie between whole rows of water, to a share
 DRAGGED, DAMPED = 1.0, 2.0
 ECHOED, NARROW = 1.5, 0.1  # of the body's share of the water; how near its sound's own swing nothing more is known
 FACES = "pressures over faces"
@@ -254,10 +255,14 @@ def _waterline(scene: Scene, n: Numbers, probe: Probe | None) -> float:
     """Of a body afloat: a waterline within a share of dx, of the way to its equilibrium where that is the goal, else
     of its thickness."""
     upright = dict(zip(("displacement-x", "displacement-y"), scene.gravity, strict=True))
+    waters, raft = scene.fluid.bodies, plates_body(scene, n.plate)
+    fits = raft.rectangle is not None and not any(one.rotate for one in (raft, *waters))
+    fits = fits and max(crowding(body, n.water.dx) for body in waters) < ROWS
+    off = (ON_ROWS if fits else WATERLINE) * n.water.dx
     if probe is not None and upright.get(probe.quantity):
-        way = to_equilibrium(scene, plates_body(scene, n.plate))
-        return WATERLINE * n.water.dx / way if 0.0 < way < math.inf else UNKNOWN
-    return WATERLINE * n.water.dx / n.plate.thickness
+        way = to_equilibrium(scene, raft)
+        return off / way if 0.0 < way < math.inf else UNKNOWN
+    return off / n.plate.thickness
 
 
 def _sounding(scene: Scene, n: Numbers) -> float:
