@@ -24,10 +24,10 @@ found; n particles across, t/L thickness over length, ν Poisson's ratio, dx spa
 A force that presses a cantilever by a share s of Euler's load makes all of this count 1/(1 − s) times; past 1 it
 buckles, and what small differences decide has no bound.
 
-A plate that bends draws in by the square of its deflection: such a goal feels all twice. A period or a time of a peak
-feels half the error of a stiffness; less than two periods show none. A peak under a load's table may be one of
-resonance (resonance.py). A beam that starts in a higher mode, r times as fast, is r times as far from slender
-and takes r times as few steps in a period.
+A plate that bends draws in by the square of its deflection: such a goal feels all twice. A period feels half the error
+of a stiffness, a time of a peak half or more (sudden.py); less than two periods show none. A peak under a load's table
+may be one of resonance (resonance.py). A beam that starts in a higher mode, r times as fast, is r times as far from
+slender and takes r times as few steps in a period.
 
 Over a time T, a swing from rest about the answer (measures/swing.py) leaves in a mean up to 2/(ωT) of its amplitude,
 3/(ωT) of a strain energy, and an echo what it adds. A value at the end feels the phase φ that a wrong
@@ -40,7 +40,7 @@ from __future__ import annotations
 import math
 
 from coupler.preflight.bounds.clamps import clamps_slip, clamps_width, never_moves
-from coupler.preflight.bounds.sudden import PEAKS, jumps, sudden_error
+from coupler.preflight.bounds.sudden import PEAKS, jumps, started, sudden_error, times_feel
 from coupler.preflight.finding import STEADY
 from coupler.preflight.measures.held import FACES_OF_AXIS, damping_drag, held_sides, lengthwise
 from coupler.preflight.measures.numbers import Numbers
@@ -111,7 +111,8 @@ def of_structure(scene: Scene, n: Numbers) -> float:
     if plate.model != "beam":
         bound += abs(bearing(plates_body(scene, plate), solid.dx))
         bound += ASIDE / plate.across if goals_quantity(scene) in STRESSES and not _axial(scene, plate) else 0.0
-    bound *= (0.5 if what in TIMES else SHORTENED if _shortens(scene, plate) else 1.0) / min(1.0 - plate.squeeze, 1.0)
+    feels = times_feel(scene, plate) if what in TIMES else SHORTENED if _shortens(scene, plate) else 1.0
+    bound *= feels / min(1.0 - plate.squeeze, 1.0)
     bound = _with_law(scene, plate, bound)
     bound += _stepped(scene, plate) if what in (*TIMES, *PEAKS) else 0.0
     return bound + filled + sudden_error(scene, plate) + seen_late
@@ -226,7 +227,7 @@ def not_bounded(scene: Scene, n: Numbers) -> str:
     if n.plate.model == "beam" and goals_quantity(scene) in ("stress-xx", "stress-yy") and not _axial(scene, n.plate):
         return "a beam has no stress across it; total-lagrangian has"
     if jumps(scene, n.plate):
-        return f"behind a front that jumps the {what} of a stress overshoots; give the load a ramp"
+        return f"behind a front that jumps the {what} of a stress overshoots; give the load a ramp, or judge a way"
     if what in PERIODS and (seen := periods(scene, n)) is not None and seen < LEAST_PERIODS:
         longer = scene.end_time * LEAST_PERIODS / seen
         return f"{seen:.2g} periods until the end show no {what}; end_time = {longer:.2g} or more"
@@ -254,7 +255,8 @@ def swing_in_a_mean(scene: Scene, n: Numbers) -> float:
     if first is None or scene.goal.statistic not in STEADY:
         return 0.0
     start, end = scene.output.average_from, scene.end_time
-    measured, left, echoed = end - start, first.left(start), first.echoed(start, end)
+    measured, echoed = end - start, first.echoed(start, end)
+    left = first.left(start) * started(scene, n.plate, first.omega, start)
     if first.damping >= 2.0 * first.omega:  # a creep counts as far as it dies
         return left / max(first.creep * measured, 1.0) + echoed
     ends = 1.0 + first.left(measured)  # of the time: both count until damping takes the later one away
@@ -272,7 +274,9 @@ def swing_at_the_end(scene: Scene, n: Numbers, error: float) -> float:
     if seen is None:
         return 0.0
     # What swings about nothing is as wrong, whatever is left of it.
-    left = 1.0 if plate.deflection == 0.0 else swing(scene, n).left(scene.end_time)
+    first = swing(scene, n)
+    started_by = first.left(scene.end_time) * started(scene, plate, first.omega, scene.end_time)
+    left = 1.0 if plate.deflection == 0.0 else started_by
     phase = 2.0 * math.pi * seen * (0.5 * error + _stepped(scene, plate))
     return UNKNOWN if phase > LOST and left > 0.5 else 2.0 * left * min(phase, LOST)
 
