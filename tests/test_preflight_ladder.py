@@ -91,6 +91,15 @@ def test_a_faster_sound_that_helps_is_named_and_what_it_costs():
     assert helmholtz(re.search(r"sound_speed = (\S+)", near.way_out)[1]).verdict == "ok"
 
 
+def test_a_sound_that_a_swing_needs_is_not_called_idle():
+    """Water that hardly weighs moves at 0.2 m/s, and its plate asks for 1290 m/s: either was the other's way out."""
+    sets = ["goal.statistic=min", "gravity=[0.0, -0.01]", "fluid.sound_speed=1290"]
+    said = said_of(load_scene("hydrostatic_plate", sets))
+    assert said["Helmholtz"].verdict == said["Mach"].verdict == "ok"
+    slow = said_of(load_scene("hydrostatic_plate", [*sets, "solid.youngs_modulus=1e6"]))
+    assert "fewer steps" in slow["Mach"].way_out
+
+
 def test_a_transient_under_deep_water_is_beyond_the_low_sound_speed():
     rungs = ladder(load_scene("hydrostatic_plate", ["goal.statistic=min"]))
     assert smallest(rungs) is None

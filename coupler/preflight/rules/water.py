@@ -10,7 +10,9 @@ from coupler.preflight.bounds.waves import torn
 from coupler.preflight.finding import PUSHES, STEADY, Finding, above, below, graded, of_particles
 from coupler.preflight.measures.numbers import Numbers
 from coupler.preflight.measures.plate import goals_quantity
+from coupler.preflight.measures.swing import resounding, sounding
 from coupler.preflight.measures.water import LEVEL
+from coupler.preflight.rules.joint import HELMHOLTZ_WARN
 from shared.expected_speed import shaken_speed, structure_speed, viscous_speed, water_speed
 from shared.fluid_step import COURANT, LARGEST_COURANT
 from shared.geometry.shakers import shakers
@@ -32,7 +34,7 @@ H_OVER_DX_FALLING = 1.7  # dam_break_wall at 2.0: energy up by 0.1 to 0.3 %
 
 def mach(scene: Scene, n: Numbers) -> Finding | None:
     """Largest expected speed over the artificial sound speed, or that of viscous stresses, which press only where
-    something stands in the way of the flow: no reason to refuse."""
+    something stands in the way of the flow: no reason to refuse. Sound far faster than it and swings need is idle."""
     if not of_particles(n):
         return None
     w, viscous = n.water, viscous_speed(scene)
@@ -48,8 +50,11 @@ def mach(scene: Scene, n: Numbers) -> Finding | None:
     if w.sound_speed > FASTEST_SOUND:
         why = f"{reason}; sound in water itself runs at 1480 m/s"
         return Finding("Mach", value, "warn", why, "check the units of gravity, motions, velocities and lengths")
-    if 0.0 < value < MACH_IDLE and water_speed(scene) > 0.0:  # a structure's start is no bound of what water reaches
-        way_out = f"fluid.sound_speed = {10.0 * fastest:.3g} takes {0.1 / value:.3g} times fewer steps"
+    crossed = w.sound_speed * max(sounding(scene, n), resounding(scene, n)) / HELMHOLTZ_WARN
+    enough = max(10.0 * fastest, 1.01 * crossed)
+    idle = 10.0 * MACH_IDLE * w.sound_speed > enough > 0.0
+    if idle and water_speed(scene) > 0.0:  # a structure's start is no bound of what water reaches
+        way_out = f"fluid.sound_speed = {enough:.3g} takes {w.sound_speed / enough:.3g} times fewer steps"
         return Finding("Mach", value, "warn", reason, way_out)
     return Finding("Mach", value, "ok", reason)
 
