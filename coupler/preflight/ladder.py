@@ -1,6 +1,6 @@
 """The ladder of model pairs for a scene's goal: what each would cost, how well it would do, and which is the smallest.
 
-For each pair the coarsest resolution is sought whose error bound (error.py) meets the goal, without particles no
+For each pair the coarsest resolution is sought whose error bound (bounds/error.py) meets the goal, without particles no
 coarser than the scene's; the smallest pair is the one of least expected cost on the table's machine (cost.py), so that
 nothing timed decides.
 """

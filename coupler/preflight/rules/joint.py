@@ -1,4 +1,4 @@
-"""Pre-flight's rules of what water and structure are to each other. See rules.py."""
+"""Pre-flight's rules of what water and structure are to each other. See findings.py."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Pre-flight's rules of how much there is of a scene: area in particles, time in steps. See rules.py."""
+"""Pre-flight's rules of how much there is of a scene: area in particles, time in steps. See findings.py."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Pre-flight's rules of the water alone. See rules.py."""
+"""Pre-flight's rules of the water alone. See findings.py."""
 
 from __future__ import annotations
 
