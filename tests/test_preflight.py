@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import pytest
 
+from coupler.preflight.bounds.error import error_bound
 from coupler.preflight.measures.numbers import scene_numbers
 from coupler.preflight.rules.findings import RULES
 from fluid_solver.models import make_model as make_fluid
@@ -67,6 +68,8 @@ TRIPPED = (
     ("support", "hydrostatic_plate", ["fluid.model=still", "fluid.dx=6e-2", "coupling.loads=pressure"],
      "thickness/support", "refuse"),
     ("support", "two_levels", ["fluid.dx=1.2e-2"], "thickness/support", "refuse"),  # as its run does
+    ("wall_ends", "light_gate", ["walls.box.polyline=[[0.12,0.06],[0.0,0.06],[0.0,0.0],[0.12,0.0]]"],
+     "open wall ends", "warn"),
     ("face_pressures", "cantilever_in_water", ["coupling.loads=pressure"], "face pressures", "warn"),
     ("drag", "cantilever_in_water", ["goal.statistic=min"], "drag", "warn"),
     ("water_holds", "cantilever_in_water", ["fluid.h_over_dx=1.3"], "water's hold", "warn"),
@@ -106,6 +109,14 @@ TRIPPED = (
 @pytest.mark.parametrize(("rule", "case", "sets", "name", "verdict"), TRIPPED)
 def test_rule_is_tripped(rule, case, sets, name, verdict):
     assert verdicts(case, *sets)[name] == verdict
+
+
+@pytest.mark.parametrize(("low", "warned"), [(0.0, True), (-0.01, False), (-0.05, False)])
+def test_walls_that_stop_at_a_corner_leave_no_bound(low, warned):
+    """Water was stirred there by up to 3 m/s, and leaked, under bounds of 0.1 to 0.9 %."""
+    scene = load_scene("hydrostatic_plate", [f"walls.left_wall.polyline=[[0.0, 2.3], [0.0, {low}]]"])
+    assert ("open wall ends" in verdicts_of(scene)) == warned
+    assert (error_bound(scene, scene_numbers(scene)) > 1.0) == warned
 
 
 def test_water_at_rest_has_no_mass_that_lag_feels():

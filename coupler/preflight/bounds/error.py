@@ -44,6 +44,7 @@ worst found; dx spacing of the fluid. The structure's part, and what its swing a
                        is a small difference of them: where it has moved out of the water's lattice, 1 to 6 % off that
                        of the forces with h = 2 dx, 5 to 8 % with 1.3 dx, 50 to 80 % at a depth of nine thicknesses; on
                        a floor, and of water at rest, they are right     sprung blocks, a floor under 20 cm
+    a wall that stops at a body's corner with nothing behind: no bound, for water leaks there   measures/wall_ends.py
     a body that moves under water at rest   lattice.py
     water that flows   flow.py
     water that is moved in by a table  shaken.py
@@ -77,6 +78,7 @@ from coupler.preflight.measures.plate import counts_of_water, goals_probe, goals
 from coupler.preflight.measures.shapes import CROWDED, area, crowding
 from coupler.preflight.measures.swing import RADIATES, carries_sound, dragged, late, radiates, resounding
 from coupler.preflight.measures.upright import levels_pull
+from coupler.preflight.measures.wall_ends import open_ends
 from coupler.preflight.measures.water import covered
 from coupler.preflight.measures.window import GROWTH_WARN, lag_growth
 from shared.geometry.regions import corners_of
@@ -106,7 +108,7 @@ def error_parts(scene: Scene, n: Numbers) -> Parts:
     if n.plate is not None:
         parts[scene.solid.model] = of_structure(scene, n)
     if n.water is not None:
-        away = of_particles(n) and n.water.bottomless > 0.0
+        away = of_particles(n) and (n.water.bottomless > 0.0 or any(open_ends(scene)))
         parts[f"fluid {scene.fluid.model}"] = UNKNOWN if away else _fluid(scene, n)
         if shaken := shaken_error(scene, n):
             parts[SHAKEN] = shaken

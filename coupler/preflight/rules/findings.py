@@ -18,6 +18,7 @@ from coupler.preflight.rules.joint import (
     mass_ratio,
     step_ratio,
     support,
+    wall_ends,
     water_holds,
     window_number,
 )
@@ -63,6 +64,7 @@ RULES: tuple[Rule, ...] = (
     window_number,
     across,
     support,
+    wall_ends,
     face_pressures,
     water_holds,
     drag,

@@ -8,6 +8,7 @@ from coupler.preflight.bounds.lattice import MANY_NEIGHBOURS, lattice_hold
 from coupler.preflight.finding import COLUMN, STEADY, Finding, above, below, graded, of_particles
 from coupler.preflight.measures.numbers import Numbers
 from coupler.preflight.measures.swing import RADIATES, carries_sound, dragged, resounding, sounding
+from coupler.preflight.measures.wall_ends import open_ends
 from coupler.preflight.measures.window import GROWTH_WARN, expected_plan, expected_window, lag_growth, window_alpha
 from coupler.stability.theory import incompressible, largest_stable
 from coupler.window import largest_alpha
@@ -162,6 +163,17 @@ def support(scene: Scene, n: Numbers) -> Finding | None:
     finer = n.water.dx * value
     way_out = f"fluid.dx = {finer:.3g}" + (", or coupling.loads = force" if faced else "")
     return Finding("thickness/support", value, verdict, f"{reason}: water sees water through it", way_out)
+
+
+def wall_ends(scene: Scene, n: Numbers) -> Finding | None:
+    """Walls that stop at a body's corner with nothing behind it."""
+    found = list(open_ends(scene))
+    if not found:
+        return None
+    wall, body, (x, y) = found[0]
+    reason = f"{wall!r} stops at {body!r} near ({x:.4g}, {y:.4g}), nothing is behind: water is stirred there, and leaks"
+    way_out = f"let the wall run on behind {body!r} by {n.water.support:.3g} m"
+    return Finding("open wall ends", len(found), "warn", reason, way_out)
 
 
 def face_pressures(scene: Scene, n: Numbers) -> Finding | None:
