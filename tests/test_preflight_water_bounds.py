@@ -406,6 +406,13 @@ def test_the_way_of_a_raft_is_that_of_archimedes(tmp_path):
     assert to_equilibrium(sprung, sprung.solid.bodies[0]) == pytest.approx(0.007)
 
 
+def test_a_raft_that_floats_where_it_starts_has_no_way_to_be_off_by(tmp_path):
+    """Rounding was taken for its way: a bound of 1e14 %, and a ladder of half a million core-seconds."""
+    floats = scene_of(RAFT.replace("0.42, 0.65, 0.52", "0.44, 0.65, 0.54"), tmp_path)
+    assert to_equilibrium(floats, floats.solid.bodies[0]) == 0.0
+    assert bound_of(floats) == math.inf
+
+
 def test_what_falls_on_something_is_no_free_fall(tmp_path):
     bounds = [bound_of(scene) for scene in
               (scene_of(SLAB, tmp_path, [f"end_time={end}"]) for end in (0.3, 0.36))]  # fmt: skip

@@ -71,7 +71,8 @@ def verdict_lines(report: Preflight, scene: Scene) -> list[str]:
         if report.near_miss is not None:
             lines.append(near_miss_line(report))
     elif report.ladder:
-        closest = min((r for r in report.ladder if r.cost is not None), key=lambda r: r.error, default=None)
+        costed = reversed([rung for rung in report.ladder if rung.cost is not None])  # of no bounds, the largest pair's
+        closest = min(costed, key=lambda rung: rung.error, default=None)
         why = f": {closest.reason}" if closest is not None else ""
         lines.append(f"No pair of models is known to meet the goal{why}.")
     return lines

@@ -15,7 +15,7 @@ from shared.schema.geometry import Body
 from shared.schema.scene import Scene
 
 AFLOAT = 0.03  # weight of the water that a body's motion moves, over its springs' force
-_ROUNDING = 1e-6  # of a body's height
+_ROUNDING = 1e-6  # of a body's height, and of what lifts it
 
 
 def afloat(scene: Scene, body: Body) -> bool:
@@ -69,7 +69,10 @@ def to_equilibrium(scene: Scene, body: Body) -> float:
     held = sum(k * part**2 for k, part in zip(scene.solid.spring.stiffness, up, strict=False))
     stiffness = buoyant_stiffness(scene, body) + held
     lifted = rho * g * area_below(sides[:, 0], sides[:, 1], level)
-    return float(abs(lifted - weight) / stiffness) if stiffness > 0.0 else math.inf
+    left = abs(lifted - weight)
+    if left < _ROUNDING * lifted:
+        return 0.0
+    return float(left / stiffness) if stiffness > 0.0 else math.inf
 
 
 def buoyant_stiffness(scene: Scene, body: Body) -> float:
