@@ -45,6 +45,15 @@ AS_POLYGON = (
     'solid.bodies=[{ name = "plate", polygon = [[0, 0], [1, 0], [1, 0.1], [0, 0.1]] }]',
     'solid.clamps=[{ body = "plate", face = "edge-1" }, { body = "plate", face = "edge-3" }]',
 )
+IN_A_MODE = (
+    *AT_ONE_END,
+    "solid.bodies.plate.velocity_mode={ clamped = 'left', mode = 1, tip_speed = 0.01 }",
+    "solid.loads=[]",
+    "solid.damping=0",
+    "solid.poisson_ratio=0.3",
+    "solid.youngs_modulus=1e7",
+    "end_time=2.0",
+)
 DISC = (
     'solid.bodies=[{ name = "plate", circle = { centre = [0.0, 0.0], radius = 0.1 }, free = true }]',
     "solid.clamps=[]",
@@ -79,8 +88,8 @@ def test_a_bar_swings_along_its_length(tmp_path):
         (("goal.statistic=max", FINE), 0.0238),
         (("goal.statistic=max", FINE, "solid.model=beam"), 0.0100),
         (("goal.statistic=max", "solid.model=beam", "output.probe_interval=0.00204"), 0.0736),
-        (("goal.statistic=t_max", FINE), 0.0078),
-        (("goal.statistic=t_max", FINE, "solid.model=beam"), 0.0078),
+        (("goal.statistic=t_max", FINE, "end_time=0.05"), 0.0078),
+        (("goal.statistic=t_max", FINE, "solid.model=beam", "end_time=0.05"), 0.0078),
     ],
 )
 def test_fronts_are_worn_round(tmp_path, sets, error):
@@ -116,7 +125,50 @@ def test_fast_modes_of_a_cantilever_that_starts_at_a_speed(tmp_path):
     for quantity in ("reaction-y", "stress-xx"):
         point = ", point = [0.25, 0.1]" if quantity == "stress-xx" else ""
         probe = f"probes=[{{ name = 'p', quantity = '{quantity}', body = 'plate'{point} }}]"
-        assert math.isinf(error_bound(*numbers(tmp_path, *start, "goal.statistic=min", probe)))
+        for statistic in ("min", "period"):
+            assert math.isinf(error_bound(*numbers(tmp_path, *start, f"goal.statistic={statistic}", probe)))
+    assert math.isinf(error_bound(*numbers(tmp_path, *start, "goal.statistic=max", ENERGY)))
+
+
+def test_fast_modes_of_a_cantilever_that_starts_in_a_mode(tmp_path):
+    """Of the thin cantilever, against 150 modes of 2-D elasticity: reactions 30 to 37 % low, stresses 2 to 7 %."""
+    for quantity in ("reaction-y", "stress-xx"):
+        point = ", point = [0.25, 0.1]" if quantity == "stress-xx" else ""
+        probe = f"probes=[{{ name = 'p', quantity = '{quantity}', body = 'plate'{point} }}]"
+        assert math.isinf(error_bound(*numbers(tmp_path, *IN_A_MODE, "goal.statistic=max", probe)))
+    found = error_bound(*numbers(tmp_path, *IN_A_MODE, "goal.statistic=max", "solid.model=beam"))
+    assert 0.0057 <= found <= 4.0 * 0.0057
+
+
+def test_what_swings_about_nothing_has_no_mean(tmp_path):
+    """20 % were told of a mean that was half a percent of the swing, and 51 % off."""
+    scene, n = numbers(tmp_path, *IN_A_MODE)
+    assert math.isinf(error_bound(scene, n))
+    assert any("swings about nothing" in rung.reason for rung in ladder(scene))
+    assert math.isfinite(error_bound(*numbers(tmp_path, *IN_A_MODE, ENERGY)))
+
+
+@pytest.mark.parametrize(("sets", "known"), [(("end_time=1.5",), True), ((), False), (("solid.damping=2",), True)])
+def test_times_of_peaks_as_high_as_one_another_have_no_bound(tmp_path, sets, known):
+    """0.51 Hz: a second peak may be the largest, or the fifth; 1 to 3 % was told of a time three times as long."""
+    sets = (*AT_ONE_END, "solid.damping=0", "end_time=4", "goal.statistic=t_min", "probes.p.point=[1.0, 0.05]", *sets)
+    assert math.isfinite(error_bound(*numbers(tmp_path, *sets))) == known
+
+
+def test_a_ramp_leaves_a_swing_that_feels_the_frequency(tmp_path):
+    """Of 1.5 periods, with clamps that hold the width of a beam: 3.2 % off, its energy 4.9, told as 2.8 and 3.4."""
+    ramp = 'solid.loads=[{ body = "plate", face = "top", traction = [0.0, -0.1], ramp = 0.393 }]'
+    sets = ("solid.bodies.plate.rectangle=[0.0, 0.0, 1.2, 0.1]", "probes.p.point=[0.6, 0.05]", "solid.damping=0")
+    sets += ("solid.poisson_ratio=0.45", "solid.model=beam", "end_time=1.3", ramp, "goal.statistic=min")
+    assert 0.0319 <= error_bound(*numbers(tmp_path, *sets)) <= 0.06
+    assert 0.0492 <= error_bound(*numbers(tmp_path, *sets, "goal.statistic=max", ENERGY)) <= 0.09
+
+
+def test_a_period_feels_what_clamps_hold_more_than_by_half(tmp_path):
+    """A beam between two clamps, ν 0.49, fifteen times as long as thick: 1.45 % too slow, told as 1.38."""
+    sets = ("solid.bodies.plate.rectangle=[0.0, 0.0, 1.5, 0.1]", "probes.p.point=[0.75, 0.05]", "solid.damping=0")
+    sets += ("solid.poisson_ratio=0.49", "solid.model=beam", "end_time=3.0", "goal.statistic=period")
+    assert 0.0145 <= error_bound(*numbers(tmp_path, *sets)) <= 0.03
 
 
 @pytest.mark.parametrize("load", ["", ", ramp = 1e-4", ", ramp = 1.0"])

@@ -8,7 +8,7 @@ import pytest
 
 from coupler.preflight.bounds.error import error_bound, error_parts
 from coupler.preflight.bounds.lattice import HELD
-from coupler.preflight.bounds.solid import swing_in_a_mean
+from coupler.preflight.bounds.swings import swing_in_a_mean
 from coupler.preflight.ladder import ladder
 from coupler.preflight.measures.afloat import buoyant_stiffness
 from coupler.preflight.measures.numbers import scene_numbers

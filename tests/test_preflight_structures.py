@@ -144,9 +144,11 @@ def test_a_swing_leaves_at_most_its_bound_in_a_mean(tmp_path, periods):
 
 
 def test_a_value_at_the_end_feels_the_phase():
-    """Of an undamped beam it is soon not known at all; of a damped one as well as a deflection."""
-    early, late = (bound("udl_beam_dynamic", *DYNAMIC, f"end_time={t}") for t in (0.0335, 0.335))
-    assert late == pytest.approx(10.0 * early, rel=0.2)
+    """Of an undamped beam it is soon not known at all; of a damped one as well as a deflection; and nothing is known of
+    what is next to nothing then: a bar's value was 63 % off, 16 % was told."""
+    early, late = (bound("udl_beam_dynamic", *DYNAMIC, f"end_time={(k + 0.25) / 30.255}") for k in (1, 4))
+    assert 2.0 * early < late < 8.0 * early < 0.5
+    assert math.isinf(bound("udl_beam_dynamic", *DYNAMIC, "end_time=0.0331"))
     assert math.isinf(bound("udl_beam_dynamic", *DYNAMIC, "end_time=13.4"))
     assert bound("udl_beam_dynamic", *DYNAMIC, "solid.damping=190") == pytest.approx(0.0009, rel=0.02)
 

@@ -15,7 +15,8 @@ from coupler.preflight.bounds.error import FACES, Parts, drifting, error_parts, 
 from coupler.preflight.bounds.flow import MOTIONS, lids
 from coupler.preflight.bounds.ploughed import ploughed
 from coupler.preflight.bounds.shaken import SHAKEN, why_unknown
-from coupler.preflight.bounds.solid import PHASE, SWING, not_bounded
+from coupler.preflight.bounds.solid import not_bounded
+from coupler.preflight.bounds.swings import PHASE, SWING, about_nothing
 from coupler.preflight.bounds.waves import torn
 from coupler.preflight.cost import Cost, predicted_cost
 from coupler.preflight.finding import STEADY
@@ -226,10 +227,12 @@ def _unable(scene: Scene, n: Numbers, worst: str) -> str:
             return "lagged exchange makes a swing on the column grow until the end: see window α"
         if what not in STEADY:
             return f"a {what} feels the mass of the water that moves along, which {n.water.model} leaves out"
+    if worst == SWING and about_nothing(scene, n):
+        return "it swings about nothing, of whose mean there is no relative error: judge a peak or a period"
     if worst == PHASE:
         return (
-            "by the end the phase of the swing is not known to a radian, so that its value may be anything: judge a "
-            "peak or a mean, end earlier, or damp it (solid.damping)"
+            "by the end the phase of the swing is not known to a radian, or its value is next to nothing: it may "
+            "be anything: judge a peak or a mean, end earlier, or damp it (solid.damping)"
         )
     return not_bounded(scene, n) or f"{worst} does not express the goal"
 

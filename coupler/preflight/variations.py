@@ -3,6 +3,7 @@ the `--set` texts that make it."""
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator
 
 from coupler.preflight.finding import STEADY
@@ -22,7 +23,7 @@ Varied = tuple[Scene, tuple[str, ...]]
 _ROWS_OF_A_MEAN = 4  # of a structure that has come to rest
 _AT_REST = 1e-3  # of a swing, that is rest
 _STIFF = 0.03  # deflection over depth: below, water that follows the plate adds so much to its load, window by window
-_DAMPING_RATIO = 0.7  # of the first mode: brings a static answer to rest within a period
+_DAMPING_RATIO = 0.7  # of the first mode, of bending alone: brings a static answer to rest within a period
 _LINEAR = ("displacement-x", "displacement-y", "stress-xx", "stress-yy", "stress-xy", *REACTIONS, *FORCES, "pressure")
 """Quantities whose mean over a swing is that of the structure at rest; of energies, speeds and sizes it is another."""
 
@@ -122,7 +123,8 @@ def dampings(scene: Scene, n: Numbers) -> Iterator[Varied]:
         return
     if n.plate.model in RIGID_MODELS:  # have dampers of their own
         return
-    damping = float(f"{2.0 * _DAMPING_RATIO * first.omega * first.moved:.3g}")
+    thin = first.omega * math.sqrt(1.0 + n.plate.sheared)
+    damping = float(f"{2.0 * _DAMPING_RATIO * thin * first.moved:.3g}")
     if damping > n.plate.damping and scene.output.average_from > 0.0:
         solid = scene.solid.model_copy(update={"damping": damping})
         yield scene.model_copy(update={"solid": solid}), (f"solid.damping={damping:g}",)

@@ -59,6 +59,8 @@ def clamps_width(scene: Scene, plate: Plate) -> float:
     """Of a beam: clamps that leave the section its width."""
     nu = scene.solid.poisson_ratio
     width = WIDTH * plate.clamps * nu**2 / (1.0 - nu) * plate.thickness / plate.bent
+    if plate.along and scene.goal is not None and scene.goal.statistic == "period":  # goes as the length
+        width *= 2.0
     return width * _counts(scene, plate, plates_body(scene, plate))
 
 

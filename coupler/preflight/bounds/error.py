@@ -61,16 +61,8 @@ from coupler.preflight.bounds.lattice import HELD, lattice_hold
 from coupler.preflight.bounds.points import SPREAD_OUT, at_points, spread_out
 from coupler.preflight.bounds.resonance import RESONANCE, resonance
 from coupler.preflight.bounds.shaken import SHAKEN, shaken_error
-from coupler.preflight.bounds.solid import (
-    PHASE,
-    SWING,
-    TIMES,
-    UNKNOWN,
-    of_structure,
-    periods,
-    swing_at_the_end,
-    swing_in_a_mean,
-)
+from coupler.preflight.bounds.solid import TIMES, UNKNOWN, of_structure, periods
+from coupler.preflight.bounds.swings import PHASE, SWING, swing_at_the_end, swing_in_a_mean
 from coupler.preflight.finding import COLUMN, STEADY, of_particles
 from coupler.preflight.measures.afloat import adrift, afloat, to_equilibrium
 from coupler.preflight.measures.numbers import Numbers

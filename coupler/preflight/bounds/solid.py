@@ -29,10 +29,7 @@ of a stiffness, a time of a peak half or more (sudden.py); less than two periods
 may be one of resonance (resonance.py). A beam that starts in a higher mode, r times as fast, is r times as far from
 slender and takes r times as few steps in a period.
 
-Over a time T, a swing from rest about the answer (measures/swing.py) leaves in a mean up to 2/(ωT) of its amplitude,
-3/(ωT) of a strain energy, and an echo what it adds. A value at the end feels the phase φ that a wrong
-frequency has gathered: a swing from 0 to twice its middle is off by 2 φ of its value or less in seven phases of ten;
-past 1 rad it may be anything. Slopes and decays are not bounded.
+What a swing adds: swings.py. Slopes and decays are not bounded.
 """
 
 from __future__ import annotations
@@ -40,7 +37,7 @@ from __future__ import annotations
 import math
 
 from coupler.preflight.bounds.clamps import clamps_slip, clamps_width, never_moves
-from coupler.preflight.bounds.sudden import PEAKS, jumps, started, sudden_error, times_feel
+from coupler.preflight.bounds.sudden import PEAKS, fast, rivals, sudden_error, times_feel
 from coupler.preflight.finding import STEADY
 from coupler.preflight.measures.held import FACES_OF_AXIS, damping_drag, held_sides, lengthwise
 from coupler.preflight.measures.numbers import Numbers
@@ -59,6 +56,7 @@ from shared.solid_step import BEAM_STEPS, FIRST_ROOT
 BEAM_SHAPE, BEAM_STEPPED = 0.25, 4e-4
 BEAM_STRESS, BEAM_BESIDE = 3.0, 1.2
 BEAM_BENT = 0.4
+OF_OVERTONES_PEAK = 2.5  # found 2.1, 2.5 of modes 2 and 3, 20 and 30 times as long as thick
 BENT = {1: 2.0, 2: 16.0}  # strain of the outer fibre at a clamp over thickness × deflection/L², by clamped ends
 LAGRANGIAN = (0.08, 0.15)
 UPDATED = (0.15, 0.15)
@@ -74,11 +72,7 @@ TIMES = ("period", "wave-period", "t_min", "t_max")
 PERIODS = ("period", "wave-period")
 UNBOUNDED = ("slope", "decay", "wave-decay")
 LEAST_PERIODS = 2.0
-FIRST_MODE = 1.05  # its swing over the deflection, and a thin beam's frequency over that with shear: up to 1.03 each
-QUADRATIC = {"strain-energy": 1.5}
-LOST = 1.0  # rad
 SHORTENED, ALONG = 2.0, 0.99  # of a displacement along a plate; cosine of its angle
-SWING, PHASE = "start-up swing in the mean", "phase of the swing at the end"
 UNKNOWN = math.inf
 
 
@@ -87,9 +81,9 @@ def of_structure(scene: Scene, n: Numbers) -> float:
     plate, solid, what = n.plate, scene.solid, scene.goal.statistic
     if not_bounded(scene, n):
         return UNKNOWN
-    if what == "change" and not _of_displacement(scene):
+    if what == "change" and not of_displacement(scene):
         return KEPT[plate.model]
-    if _of_displacement(scene) and _moves_as_a_whole(scene, plate):
+    if of_displacement(scene) and _moves_as_a_whole(scene, plate):
         return KEPT[plate.model]
     if what in STEADY and goals_quantity(scene) in REACTIONS and _dead(scene, plate):
         return max(KEPT[plate.model], AT_REST) + (0.0 if plate.model == "beam" else _filled(scene, plate))
@@ -101,7 +95,9 @@ def of_structure(scene: Scene, n: Numbers) -> float:
         shape = BEAM_SHAPE
         if goals_quantity(scene) in STRESSES:
             shape = max(BEAM_STRESS * shape, BEAM_BESIDE * _beside_bending(scene, plate))
-        bound = shape * overtone(scene, plate) * (plate.thickness / plate.bent) ** 2
+        quick = overtone(scene, plate)
+        shape *= quick * (OF_OVERTONES_PEAK if what in PEAKS and quick > 1.0 else 1.0)
+        bound = shape * (plate.thickness / plate.bent) ** 2
         bound += clamps_width(scene, plate) + BEAM_BENT * _bent(plate, what) ** 2
     elif plate.model == "ctvf" and solid.gradient != "quadratic":
         bound = LINEAR / plate.across**2 if solid.gradient == "linear" else PRINTED / plate.across
@@ -114,7 +110,7 @@ def of_structure(scene: Scene, n: Numbers) -> float:
     feels = times_feel(scene, plate) if what in TIMES else SHORTENED if _shortens(scene, plate) else 1.0
     bound *= feels / min(1.0 - plate.squeeze, 1.0)
     bound = _with_law(scene, plate, bound)
-    bound += _stepped(scene, plate) if what in (*TIMES, *PEAKS) else 0.0
+    bound += stepped(scene, plate) if what in (*TIMES, *PEAKS) else 0.0
     return bound + filled + sudden_error(scene, plate) + seen_late
 
 
@@ -176,7 +172,7 @@ def _moves_as_a_whole(scene: Scene, plate: Plate) -> bool:
 
 def _shortens(scene: Scene, plate: Plate) -> bool:
     """Whether the goal is how far a plate that bends is drawn in along its length: the square of its deflection."""
-    if not plate.clamps or plate.along or not _of_displacement(scene):
+    if not plate.clamps or plate.along or not of_displacement(scene):
         return False
     body = plates_body(scene, plate)
     component = ("displacement-x", "displacement-y").index(goals_quantity(scene))
@@ -226,8 +222,10 @@ def not_bounded(scene: Scene, n: Numbers) -> str:
         )
     if n.plate.model == "beam" and goals_quantity(scene) in ("stress-xx", "stress-yy") and not _axial(scene, n.plate):
         return "a beam has no stress across it; total-lagrangian has"
-    if jumps(scene, n.plate):
-        return f"behind a front that jumps the {what} of a stress overshoots; give the load a ramp, or judge a way"
+    if why := fast(scene, n.plate):
+        return why
+    if rivals(scene, n):
+        return f"its peaks are as high as one another, and little decides {what}: judge a period, or end early"
     if what in PERIODS and (seen := periods(scene, n)) is not None and seen < LEAST_PERIODS:
         longer = scene.end_time * LEAST_PERIODS / seen
         return f"{seen:.2g} periods until the end show no {what}; end_time = {longer:.2g} or more"
@@ -249,43 +247,12 @@ def overtone(scene: Scene, plate: Plate) -> float:
     return ((started.mode - 0.5) * math.pi / FIRST_ROOT[1]) ** 2  # cos βL cosh βL = −1, to a thousandth
 
 
-def swing_in_a_mean(scene: Scene, n: Numbers) -> float:
-    """What a swing from rest about the answer, or a creep to it, leaves in a mean."""
-    first = swing(scene, n)
-    if first is None or scene.goal.statistic not in STEADY:
-        return 0.0
-    start, end = scene.output.average_from, scene.end_time
-    measured, echoed = end - start, first.echoed(start, end)
-    left = first.left(start) * started(scene, n.plate, first.omega, start)
-    if first.damping >= 2.0 * first.omega:  # a creep counts as far as it dies
-        return left / max(first.creep * measured, 1.0) + echoed
-    ends = 1.0 + first.left(measured)  # of the time: both count until damping takes the later one away
-    much = FIRST_MODE * QUADRATIC.get(goals_quantity(scene), 1.0)
-    return left * min(much * ends / (first.omega * measured), 1.0) + echoed
-
-
-def swing_at_the_end(scene: Scene, n: Numbers, error: float) -> float:
-    """What a value at the end is off by the phase of a swing that damping has left, where a stiffness is by `error`."""
-    plate, what = n.plate, scene.goal.statistic
-    late = what == "final" or (what == "change" and _of_displacement(scene))
-    if plate is None or not late or not of_a_body(scene):
-        return 0.0
-    seen = periods(scene, n)
-    if seen is None:
-        return 0.0
-    # What swings about nothing is as wrong, whatever is left of it.
-    first = swing(scene, n)
-    started_by = first.left(scene.end_time) * started(scene, plate, first.omega, scene.end_time)
-    left = 1.0 if plate.deflection == 0.0 else started_by
-    phase = 2.0 * math.pi * seen * (0.5 * error + _stepped(scene, plate))
-    return UNKNOWN if phase > LOST and left > 0.5 else 2.0 * left * min(phase, LOST)
-
-
-def _of_displacement(scene: Scene) -> bool:
+def of_displacement(scene: Scene) -> bool:
+    """Whether the goal is of a displacement."""
     return goals_quantity(scene) in ("displacement-x", "displacement-y")
 
 
-def _stepped(scene: Scene, plate: Plate) -> float:
+def stepped(scene: Scene, plate: Plate) -> float:
     """Relative error of a swing by its steps: two in place of one leave a quarter of it."""
     if plate.model != "beam":
         return 0.0

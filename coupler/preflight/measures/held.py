@@ -95,6 +95,13 @@ def held_in_part(scene: Scene, body: Body) -> int:
     return sum(side.startswith("edge-") for side in held_sides(scene, body))
 
 
+def sheared(scene: Scene, body: Body) -> float:
+    """Deflection by shear under a uniform load, over that by bending: k D/(κ G t L²) = k (t/L)²/5(1 − ν)."""
+    thickness, length = slender(scene, body)
+    times = {1: 4.0, 2: 48.0}.get(held_ends(scene, body), 0.0)
+    return times / (5.0 * (1.0 - scene.solid.poisson_ratio)) * (thickness / length) ** 2
+
+
 def bending_frequency(scene: Scene, body: Body) -> float:
     """First bending frequency [1/s] of a body as a thin beam; held by a part of a side, it may be a cantilever."""
     solid, (thickness, length) = scene.solid, slender(scene, body)

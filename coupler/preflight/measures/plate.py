@@ -18,6 +18,7 @@ from coupler.preflight.measures.held import (
     lengthwise,
     normal_of,
     pushed_along,
+    sheared,
     slender,
     squeezed,
     swing_frequency,
@@ -51,8 +52,9 @@ _WET = 0.5  # of a face's samples before which water stands, from which it count
 @dataclass(frozen=True)
 class Plate:
     """The body that the goal asks about, or else the thinnest of the solid. `bent` [m]: length along which it bends;
-    `frequency` [1/s]: of a slender body, or of a rigid one on its springs; `deflection` [m]: of a slender body under
-    the scene's loads; None where there is no such thing. `strain`: under them along the way from the face that holds
+    `frequency` [1/s]: of a slender body, by bending alone, or of a rigid one on its springs; `sheared`: what shear adds
+    to its deflection, over that; `deflection` [m]: of a slender body under the scene's loads; None where there is no
+    such thing. `strain`: under them along the way from the face that holds
     it, pressed below 0; `along`: they push it along its length alone; `squeeze`: what presses it along its length over
     Euler's load; `wet`: number of its long faces with water before them at t = 0; `thinnest` [m]: thickness of the
     thinnest body, the first to fail where an exchange or a spacing does."""
@@ -68,6 +70,7 @@ class Plate:
     wave_speed: float
     stiffness: float
     frequency: float | None
+    sheared: float
     deflection: float | None
     strain: float
     along: bool
@@ -144,6 +147,7 @@ def measure_plate(scene: Scene, water: Water | None) -> Plate:
         wave_speed=wave_speed(solid) if solid.youngs_modulus is not None else math.inf,
         stiffness=stiffness,
         frequency=frequency,
+        sheared=sheared(scene, body) if elastic and not along else 0.0,
         deflection=deflection,
         strain=strain,
         along=along,

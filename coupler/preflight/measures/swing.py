@@ -65,11 +65,11 @@ def swing(scene: Scene, n: Numbers) -> Swing | None:
     plate, joint = n.plate, n.joint
     if plate is None or plate.frequency is None or (of_particles(n) and n.water.boxed and joint.closes):
         return None
+    omega = 2.0 * math.pi * plate.frequency / math.sqrt(1.0 + plate.sheared)
     if joint is None or n.water.model == "still":
-        return Swing(2.0 * math.pi * plate.frequency, plate.damping)
+        return Swing(omega, plate.damping)
     if joint.wet_frequency is None:  # no sound in it: a sprung body that water flows round
-        return Swing(2.0 * math.pi * plate.frequency / math.sqrt(joint.moved), plate.damping / joint.moved, joint.moved)
-    omega = 2.0 * math.pi * plate.frequency
+        return Swing(omega / math.sqrt(joint.moved), plate.damping / joint.moved, joint.moved)
     carried = max(plate.wet, 1) * n.water.density * n.water.sound_speed / (plate.density * plate.thickness)
     reflected = scene.fluid.column.reflection if n.water.model == "column" and carries_sound(scene) else 1.0
     if reflected == 0.0 or (reflected < 1.0 and late(scene, n) <= RADIATES):
@@ -80,7 +80,7 @@ def swing(scene: Scene, n: Numbers) -> Swing | None:
     if late(scene, n) > RADIATES:
         back = 2.0 * joint.depth / n.water.sound_speed
         return Swing(omega, plate.damping + carried, 1.0, 2.0 * carried / omega**2, back)
-    return Swing(2.0 * math.pi * joint.wet_frequency, plate.damping / joint.moved, joint.moved)
+    return Swing(omega * joint.wet_frequency / plate.frequency, plate.damping / joint.moved, joint.moved)
 
 
 def sounding(scene: Scene, n: Numbers) -> float:
