@@ -5,7 +5,9 @@ as thick, 4 to 20 particles across, ν 0 to 0.49; x = clamps × dx/L, t thicknes
 it is wet where water at rest alone pushes.
 
     of particles   give way within about a particle: (0.6 + 1.45 ν) x + 9 x² of clamped ends; (0.27 + 0.1 ν) dx/t of a
-                   long face, which counts as an end, x = dx/t, where water pushes along it; 1.2 dx/t where they hold a
+                   long face, which counts as an end, x = dx/t, where water pushes along it; (1 + 0.9 ν) dx/t of one
+                   that loads push along in a block less than 3 times as wide as high, at its ends, or felt there
+                   (found 0.4 to 1.2: 1 to 5 times as wide as high, 6 and 12 across); 1.2 dx/t where they hold a
                    part of a side (ledges of 1 to 6 particles); corners that the limbs of a frame go round count as ends
     of a beam      hold its section's width too: 0.42 ν²/(1 − ν) t/L per clamp
 
@@ -17,7 +19,7 @@ from __future__ import annotations
 
 import math
 
-from coupler.preflight.measures.held import FACES_OF_AXIS, held_in_part, held_sides, lengthwise, normal_of
+from coupler.preflight.measures.held import FACES_OF_AXIS, held_in_part, held_sides, lengthwise, normal_of, pushed_along
 from coupler.preflight.measures.plate import Plate, goals_probe, plates_body
 from shared.geometry.limbs import limbs
 from shared.geometry.regions import own_box, turn
@@ -26,6 +28,7 @@ from shared.schema.scene import Scene
 
 SLIP = (0.6, 1.45, 9.0)
 FLAT = (0.27, 0.1)
+PUSHED, STOUT = (1.0, 0.9), 3.0
 PART = 1.2
 ALONG = 0.7  # cosine to a face's normal below which a way is along it
 WIDTH = 0.42
@@ -42,7 +45,8 @@ def clamps_slip(scene: Scene, plate: Plate) -> float:
     if flat and _sheared(scene, plate, body):  # such a face is an end
         share, flat = share + flat * dx / plate.thickness, 0
     ends = (SLIP[0] + SLIP[1] * nu) * share + SLIP[2] * share**2
-    across = (FLAT[0] + FLAT[1] * nu) * flat + (PART if parts else 0.0)
+    across = (PUSHED[0] + PUSHED[1] * nu if _pushed_aside(scene, body) else FLAT[0] + FLAT[1] * nu) * flat
+    across += PART if parts else 0.0
     return ends * _counts(scene, plate, body) + across * dx / plate.thickness
 
 
@@ -53,6 +57,20 @@ def _sheared(scene: Scene, plate: Plate, body: Body) -> bool:
         return False
     way = {"displacement-x": 0, "displacement-y": 1}.get(probe.quantity)
     return way is not None and abs(normal_of(body)[way]) < ALONG
+
+
+def _pushed_aside(scene: Scene, body: Body) -> bool:
+    """Whether a body without water is pushed along the long face that holds it, and stout, pushed at its ends, or the
+    goal's point near one."""
+    axis, thickness, length = lengthwise(body)
+    if scene.fluid is not None or pushed_along(scene, body, 1 - axis):
+        return False
+    at_ends = any(load.body == body.name and load.face in FACES_OF_AXIS[axis] for load in scene.solid.loads)
+    probe, box = goals_probe(scene), own_box(body)
+    if probe is None or probe.point is None:
+        return at_ends or length < STOUT * thickness
+    along = float(turn(probe.point, body.rotate, backward=True)[axis])
+    return at_ends or length < STOUT * thickness or min(abs(along - float(end[axis])) for end in box) < thickness
 
 
 def clamps_width(scene: Scene, plate: Plate) -> float:

@@ -7,14 +7,11 @@ found; n particles across, t/L thickness over length, ν Poisson's ratio, dx spa
                        bends to, for its law is linear; 0.04 % of what happens in time, for it steps a hundred times
                        in a period
                                                          plate_step_load, oscillating_plate, udl_beam
-                       of a stress at least 1.2 times the q/5 that a load along it puts on outer fibres besides bending
-                       (Airy), 0.8 (t/L)² half-way between two clamps, t²/(15 s²) at s from a free end,
-                       t²/(5 s²) under water
+                       of a stress at least 1.2 times what a load along it puts on outer fibres besides bending
     total-lagrangian   (0.08 + 0.15 ν)/n                                udl_beam at 6 … 20 across, ν 0 … 0.47
     ctvf               (0.15 + 0.15 ν)/n quadratic, 5/n² linear, 4.5/n printed gradient
     both               at least their clamps             udl_beam, hydrostatic_plate, a dam of gel as wide as high
-    stresses           of particles, besides, 0.8/n of what is not along a slender body: across it, sheared, von Mises'
-                       in its middle half, a disc's; 2 to 17 % of a cantilever's, 4 to 8 across; a beam has none across
+    stresses           besides, of particles             stresses.py
     mean reactions     0.1 % of dead loads, whatever a body is made of
     all                + what particles hold of a body's area too much or too little (disc: 2 % at 10 across), or of
                        a spun one's inertia; what a lattice that does not fit the limbs of a frame makes of their
@@ -37,16 +34,17 @@ from __future__ import annotations
 import math
 
 from coupler.preflight.bounds.clamps import clamps_slip, clamps_width, never_moves
+from coupler.preflight.bounds.stresses import axial, beside_bending, lost_stress, of_stress
 from coupler.preflight.bounds.sudden import PEAKS, fast, rivals, sudden_error, times_feel
 from coupler.preflight.finding import STEADY
-from coupler.preflight.measures.held import FACES_OF_AXIS, damping_drag, held_sides, lengthwise
+from coupler.preflight.measures.held import damping_drag, lengthwise
 from coupler.preflight.measures.numbers import Numbers
-from coupler.preflight.measures.plate import Plate, goals_probe, goals_quantity, of_a_body, plates_body
+from coupler.preflight.measures.plate import Plate, goals_quantity, of_a_body, plates_body
 from coupler.preflight.measures.pressed import law_error, with_law
 from coupler.preflight.measures.shapes import FEW, excess, excess_of_inertia
 from coupler.preflight.measures.swing import swing
-from shared.geometry.limbs import bearing, limbs
-from shared.geometry.regions import axes_of, own_box, turn
+from shared.geometry.limbs import bearing
+from shared.geometry.regions import axes_of
 from shared.scene.sides import probe_rows
 from shared.schema.probes import REACTIONS, STRESSES
 from shared.schema.scene import Scene
@@ -62,10 +60,7 @@ LAGRANGIAN = (0.08, 0.15)
 UPDATED = (0.15, 0.15)
 LINEAR, PRINTED = 5.0, 4.5
 AT_REST = 1e-3  # of what clamps bear of dead loads, whatever a body is made of
-ASIDE = 0.8  # of a stress that is not along a slender body, over the particles across
-AXIAL = 0.25  # of the stress along a body, from which a component of the scene's is mostly that
 DRAG_MOST = 1.0  # of a body's weight and inertia, by damping where its clamps carry it along
-SLENDER = 3.0  # length over thickness
 KEPT = {"total-lagrangian": 1e-12, "spring": 1e-12, "rigid": 1e-12, "beam": 1e-3, "ctvf": 1e-2}
 """What a model loses of a momentum, of a free flight, or of a stress carried round, that physics keeps."""
 TIMES = ("period", "wave-period", "t_min", "t_max")
@@ -94,7 +89,7 @@ def of_structure(scene: Scene, n: Numbers) -> float:
     if plate.model == "beam":
         shape = BEAM_SHAPE
         if goals_quantity(scene) in STRESSES:
-            shape = max(BEAM_STRESS * shape, BEAM_BESIDE * _beside_bending(scene, plate))
+            shape = max(BEAM_STRESS * shape, BEAM_BESIDE * beside_bending(scene, plate))
         quick = overtone(scene, plate)
         shape *= quick * (OF_OVERTONES_PEAK if what in PEAKS and quick > 1.0 else 1.0)
         bound = shape * (plate.thickness / plate.bent) ** 2
@@ -106,7 +101,7 @@ def of_structure(scene: Scene, n: Numbers) -> float:
         bound = max((base + slope * nu) / plate.across, clamps_slip(scene, plate))
     if plate.model != "beam":
         bound += abs(bearing(plates_body(scene, plate), solid.dx))
-        bound += ASIDE / plate.across if goals_quantity(scene) in STRESSES and not _axial(scene, plate) else 0.0
+        bound += of_stress(scene, plate) if goals_quantity(scene) in STRESSES else 0.0
     feels = times_feel(scene, plate) if what in TIMES else SHORTENED if _shortens(scene, plate) else 1.0
     bound *= feels / min(1.0 - plate.squeeze, 1.0)
     bound = _with_law(scene, plate, bound)
@@ -120,45 +115,12 @@ def _with_law(scene: Scene, plate: Plate, error: float) -> float:
     return error + abs(strain) if goals_quantity(scene) in STRESSES else with_law(plate.model, strain, error)
 
 
-def _beside_bending(scene: Scene, plate: Plate) -> float:
-    """Of a stress along a beam, times (L/t)²: q/5 of a load along it over 6 M/t², M = q s²/2 at s from a free end and
-    q (L²/24 − z²/2) at z from the middle between two clamps; q s²/6 under water, whose pressure grows from the free end
-    on; infinite where M is nothing."""
-    body = plates_body(scene, plate)
-    axis, _, length = lengthwise(body)
-    ends = [side for side in held_sides(scene, body) if side in FACES_OF_AXIS[axis]]
-    at_an_end = any(load.face in FACES_OF_AXIS[axis] for load in scene.solid.loads if load.body == body.name)
-    if not ends or at_an_end or plate.along or not _axial(scene, plate):
-        return 0.0
-    lower, upper = (float(corner[axis]) for corner in own_box(body))
-    place = float(turn(goals_probe(scene).point, body.rotate, backward=True)[axis])
-    if len(ends) > 1:
-        moment = abs(1.0 / 24.0 - 0.5 * ((place - 0.5 * (lower + upper)) / length) ** 2)
-    else:
-        share = 0.5 if scene.fluid is None else 1.0 / 6.0
-        moment = share * ((place - (lower if ends[0] == FACES_OF_AXIS[axis][1] else upper)) / length) ** 2
-    return 1.0 / (30.0 * moment) if moment > 0.0 else UNKNOWN
-
-
 def _dead(scene: Scene, plate: Plate) -> bool:
     """Whether all that a body's clamps bear is dead: weight and loads that keep their direction."""
     solid = scene.solid
     follows = any(load.following for load in solid.loads if load.body == plate.name)
     moved = any(clamp.motion is not None for clamp in solid.clamps if clamp.body == plate.name)
     return scene.fluid is None and not follows and not moved
-
-
-def _axial(scene: Scene, plate: Plate) -> bool:
-    """Whether the goal's stress is mostly the one along a slender body: not across it, nor sheared."""
-    probe, body = goals_probe(scene), plates_body(scene, plate)
-    axis, thickness, length = lengthwise(body)
-    if length < SLENDER * thickness or limbs(body) is not None:
-        return False
-    x, y = axes_of(body.rotate)[axis]
-    if probe.quantity == "von-mises":
-        middle = 0.5 * sum(float(corner[1 - axis]) for corner in own_box(body))
-        return abs(float(turn(probe.point, body.rotate, backward=True)[1 - axis]) - middle) > 0.25 * thickness
-    return {"stress-xx": x * x, "stress-yy": y * y, "stress-xy": abs(x * y)}[probe.quantity] > AXIAL
 
 
 def _moves_as_a_whole(scene: Scene, plate: Plate) -> bool:
@@ -220,8 +182,10 @@ def not_bounded(scene: Scene, n: Numbers) -> str:
         return (
             f"pressed by {-n.plate.strain:.2g} of its modulus it may give way: St. Venant-Kirchhoff's law is soft there"
         )
-    if n.plate.model == "beam" and goals_quantity(scene) in ("stress-xx", "stress-yy") and not _axial(scene, n.plate):
+    if n.plate.model == "beam" and goals_quantity(scene) in ("stress-xx", "stress-yy") and not axial(scene, n.plate):
         return "a beam has no stress across it; total-lagrangian has"
+    if why := lost_stress(scene, n.plate):
+        return why
     if why := fast(scene, n.plate):
         return why
     if rivals(scene, n):

@@ -1,7 +1,8 @@
 """What the swing of a structure leaves in a mean, and what its phase makes of a value at the end, relative.
 
 Over a time T, a swing from rest about the answer (measures/swing.py) leaves in a mean up to 2/(ωT) of its amplitude,
-3/(ωT) of a strain energy, and an echo what it adds. What swings about nothing has no mean.
+3/(ωT) of a strain energy, where damped ω/ω_d times as much, and an echo what it adds. What swings
+about nothing has no mean.
 
 A value at the end feels the phase φ that a wrong frequency has gathered: of a swing 1 − A cos θ about the answer
 A φ |sin θ|/(1 − A cos θ), A what damping has left of it; θ is known to `KNOWN` of itself and φ. Its fast modes are a
@@ -29,6 +30,7 @@ FIRST_MODE = 1.05  # its swing over the deflection, and a frequency over the tru
 QUADRATIC = {"strain-energy": 1.5}
 SQUARES = {"strain-energy": 2.0}
 LOST = 1.0  # rad
+NEARLY = 0.1  # of ω², where damping is nearly critical
 KNOWN = 0.02  # of a frequency
 SECOND = 6.27  # frequency of a cantilever's second mode over that of its first
 SWING, PHASE = "start-up swing in the mean", "phase of the swing at the end"
@@ -48,7 +50,8 @@ def swing_in_a_mean(scene: Scene, n: Numbers) -> float:
     if first.damping >= 2.0 * first.omega:  # a creep counts as far as it dies
         return left / max(first.creep * measured, 1.0) + echoed
     ends = 1.0 + first.left(measured)  # of the time: both count until damping takes the later one away
-    much = FIRST_MODE * QUADRATIC.get(goals_quantity(scene), 1.0)
+    damped = math.sqrt(max(1.0 - (first.creep / first.omega) ** 2, NEARLY))  # its frequency over the undamped
+    much = FIRST_MODE * QUADRATIC.get(goals_quantity(scene), 1.0) / damped
     return left * min(much * ends / (first.omega * measured), 1.0) + echoed
 
 

@@ -1,9 +1,10 @@
 """How a body of the solid is held and what pushes it, from the scene alone: the swing that this gives.
 
-A body that all pushes along its length stretches, as a bar; one that is held on a long face shears over its thickness
-or, pushed straight at it, is pressed; others bend, as thin beams. A force N along a cantilever (a weight W counts as
-0.315 W at its tip) changes its bending stiffness by 1 + N/N_E, N_E = π² D/(4 L²) Euler's load. A body made of limbs,
-a frame or a ring (shared/geometry/limbs.py), bends as a beam of their thickness and of the length of all of them.
+A body that all pushes along its length stretches, as a bar; one that is held on a long face shears over its thickness,
+and bends a little, or, pushed straight at it, is pressed; others bend, as thin beams. A force N along a cantilever (a
+weight W counts as 0.315 W at its tip) changes its bending stiffness by 1 + N/N_E, N_E = π² D/(4 L²) Euler's load. A
+body made of limbs, a frame or a ring (shared/geometry/limbs.py), bends as a beam of their thickness and of the length
+of all of them.
 """
 
 from __future__ import annotations
@@ -118,8 +119,10 @@ def swing_frequency(scene: Scene, body: Body, squeeze: float) -> float:
         return math.sqrt(plane_modulus(solid) / solid.density) / (length * (4.0 if ends == 1 else 2.0))
     if flat and not ends:
         shear = math.sqrt(lame(solid)[1] / solid.density)
-        speed = wave_speed(solid) if pushed_along(scene, body, 1 - axis) else shear
-        return speed / (thickness * (4.0 if flat == 1 else 2.0))
+        if pushed_along(scene, body, 1 - axis):
+            return wave_speed(solid) / (thickness * (4.0 if flat == 1 else 2.0))
+        bends = 1.25 * (1.0 - solid.poisson_ratio) * (thickness / length) ** 2 if flat == 1 else 0.0  # over its shear
+        return shear / (thickness * (4.0 if flat == 1 else 2.0) * math.sqrt(1.0 + bends))
     return bending_frequency(scene, body) * math.sqrt(left_of_stiffness(squeeze))
 
 
