@@ -288,6 +288,17 @@ def test_a_peak_of_what_presses_at_once_has_its_reason(tmp_path):
     assert "may give way" in not_bounded(scene, n)
 
 
+def test_a_cantilever_pressed_at_once_rings_along(tmp_path):
+    """By 0.8 of Euler's load: twice that at times, and a period was 23 % off for 5.5 % told; its mean 4.6 for 10.7."""
+    pressed = 0.8 * 10.0 * math.pi**2 / 4.0 * 1e6 * 0.1**3 / 12.0
+    loads = '{{ body = "plate", face = "right", traction = [{}, 0.0]{} }}, '
+    loads += '{{ body = "plate", face = "top", traction = [0.0, 0.01] }}'
+    sets = (*AT_ONE_END, "goal.statistic=period", "end_time=10", "solid.damping=0")
+    at_once, grown = (f"solid.loads=[{loads.format(-pressed, ramp)}]" for ramp in ("", ", ramp = 0.5"))
+    assert "rings along" in not_bounded(*numbers(tmp_path, *sets, at_once))
+    assert not not_bounded(*numbers(tmp_path, *sets, grown))
+
+
 def test_a_hanging_cantilever_is_stiffer_and_a_standing_one_softer(tmp_path):
     """It buckles under 7.837 D/L² of its own weight."""
     for sense in (-1.0, 1.0):

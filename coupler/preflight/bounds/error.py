@@ -17,6 +17,7 @@ worst found; dx spacing of the fluid. The structure's part, and what its swing a
     water at rest      dx/H (ctvf), 3 dx/H (wcsph), a tenth with h = 2 dx  still_tank, soft_plate, hydrostatic_plate
                        times buoyancy over what it leaves of the weight of a plate under water; all of this of a level
                        plate times the push over what weight and loads leave of it     a heavy roof that water lifts
+                       and all errors of another so many times                     a gate pressed from its dry side
     its surface        besides, over its height above the gauge: g H²/(2 c0²), and 0.05 dx; no bound for a gauge at it
     its push on walls  besides, what settled water that walls cover has too much of mass, g z/c0²  a tank that narrows
     its push sideways  besides, 2 g H/(3 c0²): settled water stands lower at the same pressure below
@@ -69,13 +70,13 @@ from coupler.preflight.measures.numbers import Numbers
 from coupler.preflight.measures.plate import counts_of_water, goals_probe, goals_quantity, of_a_body, plates_body
 from coupler.preflight.measures.shapes import CROWDED, area, crowding
 from coupler.preflight.measures.swing import RADIATES, carries_sound, dragged, late, radiates, resounding
-from coupler.preflight.measures.upright import levels_pull
+from coupler.preflight.measures.upright import levels_pull, opposed
 from coupler.preflight.measures.wall_ends import open_ends
 from coupler.preflight.measures.water import covered
 from coupler.preflight.measures.window import GROWTH_WARN, lag_growth
 from shared.geometry.regions import corners_of
 from shared.schema.fluid import PARTICLE_FLUIDS
-from shared.schema.probes import FORCES, Probe
+from shared.schema.probes import FORCES, REACTIONS, Probe
 from shared.schema.scene import Scene
 from shared.schema.solid import RIGID_MODELS
 
@@ -98,7 +99,7 @@ def error_parts(scene: Scene, n: Numbers) -> Parts:
         return {}
     parts = {}
     if n.plate is not None:
-        parts[scene.solid.model] = of_structure(scene, n)
+        parts[scene.solid.model] = of_structure(scene, n) * _felt(scene, n)
     if n.water is not None:
         away = of_particles(n) and (n.water.bottomless > 0.0 or any(open_ends(scene)))
         parts[f"fluid {scene.fluid.model}"] = UNKNOWN if away else _fluid(scene, n)
@@ -110,6 +111,9 @@ def error_parts(scene: Scene, n: Numbers) -> Parts:
         parts[FACES] = over_faces
     if hold := lattice_hold(scene, n):
         parts[HELD] = hold * (0.5 if scene.goal.statistic in TIMES else 1.0)
+    if n.joint is not None and of_a_body(scene) and n.water.rests and goals_quantity(scene) not in REACTIONS:
+        much = opposed(scene, n.plate)
+        parts = {name: much * part if part else part for name, part in parts.items()}
     error = sum(parts.values())
     swings = {SWING: swing_in_a_mean(scene, n), PHASE: swing_at_the_end(scene, n, error)}
     swings[RESONANCE] = resonance(scene, n, error) if scene.solid is not None else 0.0
@@ -120,6 +124,14 @@ def error_bound(scene: Scene, n: Numbers) -> float | None:
     """Bound of the goal's relative error; None without a goal, infinite where the choice cannot do it."""
     parts = error_parts(scene, n)
     return sum(parts.values()) if parts else None
+
+
+def _felt(scene: Scene, n: Numbers) -> float:
+    """Share of the structure's error that the goal feels: of a mean force of water at rest what moves its level."""
+    steady = scene.goal.statistic in STEADY and n.water is not None and n.water.rests and not n.water.boxed
+    if not steady or goals_quantity(scene) not in FORCES or n.plate.deflection is None:
+        return 1.0
+    return min(2.0 * n.plate.deflection / n.water.height, 1.0)
 
 
 def _fluid(scene: Scene, n: Numbers) -> float:

@@ -35,7 +35,7 @@ import math
 
 from coupler.preflight.bounds.clamps import clamps_slip, clamps_width, never_moves
 from coupler.preflight.bounds.stresses import axial, beside_bending, lost_stress, of_stress
-from coupler.preflight.bounds.sudden import PEAKS, fast, rivals, sudden_error, times_feel
+from coupler.preflight.bounds.sudden import PEAKS, fast, rings_along, rivals, sudden_error, times_feel
 from coupler.preflight.finding import STEADY
 from coupler.preflight.measures.held import damping_drag, lengthwise
 from coupler.preflight.measures.numbers import Numbers
@@ -67,6 +67,7 @@ TIMES = ("period", "wave-period", "t_min", "t_max")
 PERIODS = ("period", "wave-period")
 UNBOUNDED = ("slope", "decay", "wave-decay")
 LEAST_PERIODS = 2.0
+AT_ONCE_MOST = 0.5  # of Euler's load
 SHORTENED, ALONG = 2.0, 0.99  # of a displacement along a plate; cosine of its angle
 UNKNOWN = math.inf
 
@@ -178,6 +179,8 @@ def not_bounded(scene: Scene, n: Numbers) -> str:
         return f"solid.damping drags what its clamps carry by {drag:.2g} of its weight and inertia"
     if n.plate.squeeze >= 1.0:
         return f"pressed by {n.plate.squeeze:.3g} of Euler's load it buckles, and small differences decide how far"
+    if n.plate.squeeze >= AT_ONCE_MOST and what not in STEADY and rings_along(scene, n.plate):
+        return f"pressed at once by {n.plate.squeeze:.3g} of Euler's load, it rings along, up to twice as much: a ramp"
     if math.inf in (law_error(n.plate.model, n.plate.strain), _with_law(scene, n.plate, 0.0)):
         return (
             f"pressed by {-n.plate.strain:.2g} of its modulus it may give way: St. Venant-Kirchhoff's law is soft there"

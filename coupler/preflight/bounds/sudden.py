@@ -85,6 +85,14 @@ def at_speed(scene: Scene, plate: Plate) -> bool:
     return _flies(scene, plate) or (body.velocity_mode is not None and _held(scene, plate))
 
 
+def rings_along(scene: Scene, plate: Plate) -> bool:
+    """Whether a force that comes at once presses a plate along its length while another bends it."""
+    body = plates_body(scene, plate)
+    way, ends = axes_of(body.rotate)[lengthwise(body)[0]], FACES_OF_AXIS[lengthwise(body)[0]]
+    at_ends = (one for one in _loads(scene, plate) if one.face in ends and _at_once(one, plate))
+    return not plate.along and any(abs(float(np.dot(one.traction, way))) > 0.0 for one in at_ends)
+
+
 def fast_share(scene: Scene, plate: Plate) -> float:
     """Displacement of the second mode over that of the first, of what starts a swing at once; 1 of what is all fast
     modes'."""

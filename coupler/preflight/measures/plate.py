@@ -45,7 +45,7 @@ from shared.solid_step import (
 
 STATIC_FACTOR = {1: 8.0, 2: 384.0}  # k in the largest deflection q L⁴/(k D) under a uniform load
 TIP_FACTOR = 3.0  # the same of a cantilever, F L³/(k D) under a force at its tip
-_LEVEL = 0.99  # cosine of its normal's angle to gravity
+LEVEL_PLATE = 0.99  # cosine of its normal's angle to gravity
 _WET = 0.5  # of a face's samples before which water stands, from which it counts as wetted
 
 
@@ -244,13 +244,13 @@ def counts_of_water(scene: Scene, plate: Plate, water: Water) -> float:
     of it; 1 of other plates."""
     body = plates_body(scene, plate)
     normal, up, before = normal_of(body), upward(scene), waters_before(scene, body)
-    if not water.rests or len(before) != 1 or abs(float(normal @ up)) < _LEVEL:
+    if not water.rests or len(before) != 1 or abs(float(normal @ up)) < LEVEL_PLATE:
         return 1.0
     outward, waters = before[0]
     face = float((outline(body) @ up).mean()) + 0.5 * plate.thickness * float(outward @ up)
     depth = max(float((outline(one) @ up).max()) for one in waters) - face
     push = -water.density * math.hypot(*scene.gravity) * depth * float(outward @ normal)
-    left = abs(_own_load(scene, body, normal)[0] + push)
+    left = abs(own_load(scene, body, normal)[0] + push)
     return max(1.0, abs(push) / left) if left > 0.0 else math.inf
 
 
@@ -259,7 +259,7 @@ def _load(
 ) -> tuple[float, float]:
     """Uniform load [Pa] on the plate along its normal, by loads, weight and water, of which between two waters the
     difference of their levels counts, and the force [N/m] on its end faces; an estimate."""
-    load, tip = _own_load(scene, body, normal)
+    load, tip = own_load(scene, body, normal)
     if water is None:
         return load, tip
     g = math.hypot(*scene.gravity)
@@ -270,7 +270,7 @@ def _load(
     return abs(load) + pressure, abs(tip)
 
 
-def _own_load(scene: Scene, body: Body, normal: np.ndarray) -> tuple[float, float]:
+def own_load(scene: Scene, body: Body, normal: np.ndarray) -> tuple[float, float]:
     """The same of weight and loads alone, with their signs."""
     solid, axis, thickness = scene.solid, lengthwise(body)[0], slender(scene, body)[0]
     load = float(np.dot(scene.gravity, normal)) * solid.density * thickness if solid.gravity else 0.0

@@ -18,10 +18,20 @@ import numpy as np
 
 from coupler.preflight.measures.gravity import upward
 from coupler.preflight.measures.held import FACES_OF_AXIS, held_sides, lengthwise, normal_of
-from coupler.preflight.measures.plate import STATIC_FACTOR, Plate, plates_body, waters_before
+from coupler.preflight.measures.plate import (
+    LEVEL_PLATE,
+    STATIC_FACTOR,
+    Plate,
+    goals_probe,
+    goals_quantity,
+    own_load,
+    plates_body,
+    waters_before,
+)
 from coupler.preflight.measures.water import UPWARD, Water
-from shared.geometry.regions import axes_of, corners_of
+from shared.geometry.regions import axes_of, corners_of, own_box, turn
 from shared.schema.geometry import Body
+from shared.schema.probes import STRESSES
 from shared.schema.scene import Scene
 
 SWEPT = {1: 0.4, 2: 0.55}  # area that a plate sweeps over its deflection and length, by clamped ends
@@ -98,3 +108,48 @@ def levels_pull(scene: Scene, plate: Plate, sides: list[Side]) -> float:
         return 0.0
     held = STATIC_FACTOR[plate.clamps] * plate.stiffness / (SWEPT[plate.clamps] * plate.length**2)
     return weight * sum(side.height**3 / side.length for side in sides) / held
+
+
+def opposed(scene: Scene, plate: Plate) -> float:
+    """How often the push of resting water counts in what a plate's own loads leave of it, at the goal's place, as a
+    thin beam bends; 1 of level plates (counts_of_water) and of those without loads across them."""
+    body = plates_body(scene, plate)
+    normal, up, quantity = normal_of(body), upward(scene), goals_quantity(scene)
+    own, tip = own_load(scene, body, normal)
+    if not plate.clamps or not any(scene.gravity) or abs(float(normal @ up)) >= LEVEL_PLATE or not (own or tip):
+        return 1.0
+    axis, _, length = lengthwise(body)
+    lower, upper = (np.asarray(corner) for corner in own_box(body))
+    at_lower = plate.clamps == 2 or FACES_OF_AXIS[axis][0] in held_sides(scene, body)
+    share = (np.arange(_POINTS) + 0.5) / _POINTS  # of the way from a clamp
+    middle = 0.5 * (lower + upper)
+    places = np.tile(middle, (_POINTS, 1))
+    places[:, axis] = lower[axis] + length * (share if at_lower else 1.0 - share)
+    heights = turn(places, body.rotate) @ up
+    weight, push = scene.fluid.density * math.hypot(*scene.gravity), np.zeros(_POINTS)
+    for outward, waters in waters_before(scene, body, 0.0):
+        surface = float((corners_of(waters) @ up).max())
+        push -= weight * np.maximum(surface - heights, 0.0) * float(outward @ normal)
+    probe = goals_probe(scene)
+    at = 1.0 if plate.clamps == 1 else 0.5
+    if probe.point is not None:
+        at = (float(turn(probe.point, body.rotate, backward=True)[axis]) - lower[axis]) / length
+        at = min(max(at if at_lower else 1.0 - at, 0.0), 1.0)
+    told = _bent_by(plate.clamps, at, quantity in STRESSES, share)
+    of_water, of_own = float(push @ told) / _POINTS, own * float(np.mean(told))
+    if plate.clamps == 1:
+        of_own += tip / length * float(_bent_by(1, at, quantity in STRESSES, np.ones(1))[0])
+    left = abs(of_water + of_own)
+    return max(1.0, abs(of_water) / left) if left > 0.0 else math.inf
+
+
+def _bent_by(clamps: int, at: float, moment: bool, share: np.ndarray) -> np.ndarray:
+    """What a force at shares of a thin beam's length makes of its deflection at another, or of its moment there, over
+    what is the same for all."""
+    if clamps == 1:
+        if moment:
+            return np.maximum(share - at, 0.0)
+        near, far = np.minimum(share, at), np.maximum(share, at)
+        return near**2 * (3.0 * far - near) / 6.0
+    near, far = np.minimum(share, at), np.maximum(share, at)
+    return (1.0 - far) ** 2 * near**2 * (3.0 * far - 3.0 * far * near - (1.0 - far) * near) / 6.0
