@@ -13,7 +13,7 @@ worst found; dx spacing of the fluid. The structure's part, and what its swing a
     sound              of water that carries it θ²/4 of a swing, θ the depth in radians of sound, or L/π of a plate that
                        does not close its water, whose mass counts tan θ/θ times
                                                                             a tank on springs, a floor under 5 cm
-    points, its and the plate's   points.py
+    points, its and the plate's   points.py; corners with walls   corners.py
     water at rest      dx/H (ctvf), 3 dx/H (wcsph), a tenth with h = 2 dx  still_tank, soft_plate, hydrostatic_plate
                        times buoyancy over what it leaves of the weight of a plate under water; all of this of a level
                        plate times the push over what weight and loads leave of it     a heavy roof that water lifts
@@ -57,6 +57,7 @@ import math
 
 import numpy as np
 
+from coupler.preflight.bounds.corners import CORNERS, corner_strips
 from coupler.preflight.bounds.flow import MOTIONS, SMOOTH, flow_error, off_level
 from coupler.preflight.bounds.lattice import HELD, lattice_hold
 from coupler.preflight.bounds.points import SPREAD_OUT, at_points, spread_out
@@ -107,6 +108,8 @@ def error_parts(scene: Scene, n: Numbers) -> Parts:
             parts[SHAKEN] = shaken
     if spread := spread_out(scene, n):
         parts[SPREAD_OUT] = spread * _left_of_water(scene, n)
+    if strips := corner_strips(scene, n):
+        parts[CORNERS] = strips
     if over_faces := _over_faces(scene, n):
         parts[FACES] = over_faces
     if hold := lattice_hold(scene, n):

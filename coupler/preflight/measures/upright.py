@@ -119,21 +119,13 @@ def opposed(scene: Scene, plate: Plate) -> float:
     if not plate.clamps or not any(scene.gravity) or abs(float(normal @ up)) >= LEVEL_PLATE or not (own or tip):
         return 1.0
     axis, _, length = lengthwise(body)
-    lower, upper = (np.asarray(corner) for corner in own_box(body))
     at_lower = plate.clamps == 2 or FACES_OF_AXIS[axis][0] in held_sides(scene, body)
     share = (np.arange(_POINTS) + 0.5) / _POINTS  # of the way from a clamp
-    middle = 0.5 * (lower + upper)
-    places = np.tile(middle, (_POINTS, 1))
-    places[:, axis] = lower[axis] + length * (share if at_lower else 1.0 - share)
-    heights = turn(places, body.rotate) @ up
-    weight, push = scene.fluid.density * math.hypot(*scene.gravity), np.zeros(_POINTS)
-    for outward, waters in waters_before(scene, body, 0.0):
-        surface = float((corners_of(waters) @ up).max())
-        push -= weight * np.maximum(surface - heights, 0.0) * float(outward @ normal)
+    push = pressures(scene, body, share if at_lower else 1.0 - share)
     probe = goals_probe(scene)
     at = 1.0 if plate.clamps == 1 else 0.5
     if probe.point is not None:
-        at = (float(turn(probe.point, body.rotate, backward=True)[axis]) - lower[axis]) / length
+        at = (float(turn(probe.point, body.rotate, backward=True)[axis]) - float(own_box(body)[0][axis])) / length
         at = min(max(at if at_lower else 1.0 - at, 0.0), 1.0)
     told = _bent_by(plate.clamps, at, quantity in STRESSES, share)
     of_water, of_own = float(push @ told) / _POINTS, own * float(np.mean(told))
@@ -141,6 +133,21 @@ def opposed(scene: Scene, plate: Plate) -> float:
         of_own += tip / length * float(_bent_by(1, at, quantity in STRESSES, np.ones(1))[0])
     left = abs(of_water + of_own)
     return max(1.0, abs(of_water) / left) if left > 0.0 else math.inf
+
+
+def pressures(scene: Scene, body: Body, share: np.ndarray) -> np.ndarray:
+    """Pressure [Pa] of water at rest on a body along the normal of its long faces, at shares of its length."""
+    axis, _, length = lengthwise(body)
+    lower, upper = (np.asarray(corner) for corner in own_box(body))
+    normal, up, push = normal_of(body), upward(scene), np.zeros(len(share))
+    places = np.tile(0.5 * (lower + upper), (len(share), 1))
+    places[:, axis] = lower[axis] + length * share
+    heights = turn(places, body.rotate) @ up
+    for outward, waters in waters_before(scene, body, 0.0):
+        surface = float((corners_of(waters) @ up).max())
+        depth = np.maximum(surface - heights, 0.0)
+        push -= scene.fluid.density * math.hypot(*scene.gravity) * depth * float(outward @ normal)
+    return push
 
 
 def _bent_by(clamps: int, at: float, moment: bool, share: np.ndarray) -> np.ndarray:
