@@ -211,3 +211,13 @@ def test_cost_grows_with_the_cube_of_the_resolution():
 def test_water_that_does_not_rest_is_told_why(sets, said):
     rungs = ladder(load_scene("hydrostatic_plate", sets))
     assert said in next(rung.reason for rung in rungs if (rung.fluid, rung.solid) == ("still", "beam"))
+
+
+def test_a_beam_two_across_is_offered_particles_of_a_smaller_spacing():
+    """They were left out, for two particles across are too few."""
+    rungs = {rung.name: rung for rung in ladder(load_scene("udl_beam", ["solid.model=beam", "solid.dx=0.006"]))}
+    for model in ("total-lagrangian", "ctvf"):
+        spacings = [text for text in rungs[model].sets if text.startswith("solid.dx=")]
+        assert len(spacings) == 1
+        assert rungs[model].standing in ("enough", "smallest")
+        assert rungs[model].scene.solid.dx <= 0.003

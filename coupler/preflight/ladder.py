@@ -134,7 +134,9 @@ def _rung(scene: Scene, fluid: str | None, solid: str | None, why: str) -> Rung:
         judged = []
         for damped, damping in dampings(tried, numbers):
             joined, coupling = coupled(damped)
-            judged.append(_judged(joined, fluid, solid, (*sets, *coupling, *spacing, *damping)))
+            told = (*sets, *coupling, *spacing, *damping)
+            last = {text.partition("=")[0]: text for text in told}  # a spacing may be refined again
+            judged.append(_judged(joined, fluid, solid, tuple(last.values())))
         enough = [rung for rung in judged if rung.standing == "enough"]
         if enough:
             judged = [_startable(min(enough, key=lambda rung: rung.cost.core_s))]

@@ -13,6 +13,8 @@ from coupler.preflight.measures.swing import swing
 from coupler.preflight.rules.joint import SUPPORT_WARN
 from coupler.preflight.rules.plate import ACROSS_WARN
 from coupler.preflight.rules.water import WATER_ACROSS_WARN
+from shared.geometry.limbs import thickness_of
+from shared.scene.geometry import LEAST_ACROSS, across
 from shared.schema.fluid import PARTICLE_FLUIDS, Column
 from shared.schema.probes import FORCES, REACTIONS
 from shared.schema.scene import Scene
@@ -41,9 +43,20 @@ def with_models(scene: Scene, fluid: str | None, solid: str | None) -> Varied:
             if model == "column" and part.column == Column():  # the water itself carries no slow sound
                 update["column"] = Column(compressible=False)
                 sets.append("fluid.column.compressible=false")
+            if side == "solid" and model in PARTICLE_MODELS and (dx := _resolving(scene)) < part.dx:
+                update["dx"] = dx
+                sets.append(f"solid.dx={dx:g}")
             changes[side] = part.model_copy(update=update)
             sets.append(f"{side}.model={model}")
     return (scene.model_copy(update=changes) if changes else scene), tuple(sets)
+
+
+def _resolving(scene: Scene) -> float:
+    """The spacing [m] of particles that pre-flight finds enough, where the scene's is too coarse for any."""
+    solid = scene.solid
+    if all(across(body, solid.dx) >= LEAST_ACROSS for body in solid.bodies):
+        return solid.dx
+    return float(f"{min(thickness_of(body) for body in solid.bodies) / ACROSS_WARN:.6g}")
 
 
 def coupled(scene: Scene) -> Varied:
