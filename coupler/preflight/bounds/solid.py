@@ -43,7 +43,7 @@ from coupler.preflight.measures.plate import Plate, goals_quantity, of_a_body, p
 from coupler.preflight.measures.pressed import law_error, with_law
 from coupler.preflight.measures.shapes import FEW, excess, excess_of_inertia
 from coupler.preflight.measures.swing import swing
-from shared.geometry.limbs import bearing
+from shared.geometry.limbs import bearing, limbs
 from shared.geometry.regions import axes_of
 from shared.scene.sides import probe_rows
 from shared.schema.probes import REACTIONS, STRESSES
@@ -138,6 +138,8 @@ def _shortens(scene: Scene, plate: Plate) -> bool:
     if not plate.clamps or plate.along or not of_displacement(scene):
         return False
     body = plates_body(scene, plate)
+    if limbs(body) is not None:  # whose limbs lead both ways
+        return False
     component = ("displacement-x", "displacement-y").index(goals_quantity(scene))
     return abs(float(axes_of(body.rotate)[lengthwise(body)[0]][component])) > ALONG
 
