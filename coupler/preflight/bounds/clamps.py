@@ -8,8 +8,8 @@ it is wet where water at rest alone pushes.
                    long face, which counts as an end, x = dx/t, where water pushes along it; (1 + 0.9 ν) dx/t of one
                    that loads push along in a block less than 3 times as wide as high, at its ends, or felt there
                    (found 0.4 to 1.2: 1 to 5 times as wide as high, 6 and 12 across); 1.2 dx/t where they hold a
-                   part of a side (ledges of 1 to 6 particles); corners that the limbs of a frame go round count as ends,
-                   and steps where a body grows thinner (found 4.5 % of one half as thick from its middle on)
+                   part of a side (ledges of 1 to 6 particles); corners that the limbs of a frame go round, and
+                   steps where a body grows thinner, count as ends (found 4.5 % of one half as thick from its middle on)
     of a beam      hold its section's width too: 0.42 ν²/(1 − ν) t/L per clamp
 
 of the largest deflection. It goes as the distance s from the clamp where the deflection goes as s²: 1/(ξ(2 − ξ)) times
