@@ -22,6 +22,7 @@ from shared.jit import njit
 from shared.linear_fit import linear_row
 
 _COINCIDENT = 1e-9  # of the structure's spacing
+LEAST_FELT = 0.5  # of what a point serves, that water reaches: with less it stands on the dry side
 
 
 class Mapping:
@@ -41,7 +42,8 @@ class Mapping:
 
     def loads(self, loads: Loads, points: Kinematics, ghosts: Kinematics) -> Loads:
         """Fluid → structure: forces by the transpose; pressures as the mean over the ghosts that a point serves and
-        that feel any, each as it would be at the point in fluid at rest. `points`, `ghosts`: where they are."""
+        that feel any, each as it would be at the point in fluid at rest; none where most of them feel none. `points`,
+        `ghosts`: where they are."""
         if self._identity:
             return loads
         places = points.position, ghosts.position
@@ -72,12 +74,14 @@ def _moved(start, column, weight, position, velocity, acceleration, velocity_mea
 
 @njit
 def _loaded(start, ghost, share, weight, points, ghosts, pressure, force):
-    """Hᵀ times forces (k, 2), and means of pressures (k,) other than 0 by the sizes of the entries of Hᵀ."""
+    """Hᵀ times forces (k, 2), and means of pressures (k,) other than 0, where most are, by the sizes of the
+    entries of Hᵀ."""
     mean, total = np.zeros(len(points)), np.zeros((len(points), 2))
     for point in range(len(points)):
-        felt = p = moved = x = y = 0.0
+        served = felt = p = moved = x = y = 0.0
         for k in range(start[point], start[point + 1]):
             w, g = share[k], ghost[k]
+            served += abs(w)
             if pressure[g] != 0.0:
                 felt += abs(w)
                 p += abs(w) * pressure[g]
@@ -85,7 +89,7 @@ def _loaded(start, ghost, share, weight, points, ghosts, pressure, force):
                 moved += abs(w) * (arm[0] * weight[0] + arm[1] * weight[1])
             x += w * force[g, 0]
             y += w * force[g, 1]
-        if felt > 0.0:
+        if felt > LEAST_FELT * served:
             mean[point] = max(p + moved, min(p, 0.0)) / felt
         total[point, 0], total[point, 1] = x, y
     return mean, total

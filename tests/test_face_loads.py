@@ -95,6 +95,27 @@ def test_pressures_over_a_block_in_resting_water_are_its_buoyancy(model, spacing
         np.testing.assert_allclose(found.sum(axis=0), [0.0, 9810.0 * area(body)], rtol=0.02, atol=1e-6)
 
 
+@pytest.mark.parametrize("across", [3, 4, 5])
+def test_the_dry_side_of_a_floor_feels_nothing_of_ghosts_that_it_serves_half_way_through(across, tmp_path):
+    """Spacings that do not coincide: points of the dry side took the pressure of the deepest ghosts that water reaches,
+    and a floor of 4.5 dx was lifted by its own water, 97 % off."""
+    text = UNDER_WATER.replace(
+        "rectangle = [0.0, 0.0, 0.4, 0.3] }, { SHAPE", "rectangle = [0.0, 0.045, 0.4, 0.3] }, { SHAPE"
+    )
+    text = text.replace("SHAPE", "rectangle = [0.0, 0.0, 0.4, 0.045]")
+    (tmp_path / "case.toml").write_text(text, encoding="utf-8")
+    scene = load_scene(tmp_path / "case.toml", [f"solid.dx={0.045 / across}"])
+    fluid, body = make_fluid(scene, True, 1), scene.solid.bodies[0]
+    ghosts, x = fluid.describe(), fill(body, scene.solid.dx).position
+    ones = np.ones(len(x))
+    points = Description("solid", "structure", "", 1.0, scene.solid.dx, x, ones, np.zeros(len(x), dtype=int))
+    mapping, still = build_mapping(points, ghosts, scene.gravity), Kinematics.at_rest(ghosts.position)
+    pressure, loads = np.zeros(len(x)), fluid.begin(still)
+    pressure[mapping.selection] = mapping.loads(loads, Kinematics.at_rest(x[mapping.selection]), still).pressure
+    found = FaceLoads(scene, points).force(pressure, x).sum(axis=0)
+    np.testing.assert_allclose(found[1], -9810.0 * 0.255 * 0.4, rtol=0.05)
+
+
 def test_constant_pressure_on_a_closed_outline_is_no_force_however_it_bends():
     faces, x = plate(*WEIGHTLESS, *FREE)
     bent = x + np.stack([np.zeros(len(x)), 0.02 * np.sin(10.0 * x[:, 0])], axis=1)
